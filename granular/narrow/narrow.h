@@ -1,0 +1,58 @@
+// The narrow phase: do two placed convex shapes touch, how deep, along which normal? (design: S sections 4 and 5.1)
+// The overlap of a pair is the least depth over all directions: min over unit n of h(n) = s_A(n).n - s_B(-n).n.
+#pragma once
+
+#include <cstdint>
+
+#include "granular/shape/shape.h"
+
+namespace granular {
+
+/// One contact of two convex shapes, world axes.
+struct Touch {
+  Vec3 normal;     ///< unit, from A to B
+  double overlap;  ///< m, > 0
+  Vec3 onA, onB;   ///< deepest points on either surface; onA - onB = overlap * normal
+};
+
+/// What is remembered of a pair from one step to the next, in order to verify the last answer instead of searching again.
+/// Plain data, saved in checkpoints.
+struct WarmCache {
+  enum Kind : std::int32_t { cold, apart, faceOfA, faceOfB, edgePair, smooth };
+  std::int32_t kind = cold;
+  std::int32_t featureA = 0;  ///< face, edge or vertex index of A, by kind
+  std::int32_t featureB = 0;
+  std::int32_t touched = 0;   ///< 1 if the last look found an overlap
+  /// apart: unit separating direction from A to B in A's body axes; touching: the last normal in A's body axes.
+  Vec3 direction = Vec3::Zero();
+  /// How far the two surfaces may move relative to each other (sum of both bodies' motion, m) before the pair needs
+  /// another look (apart) or another full search (touching).
+  double budget = 0;
+};
+
+/// What the run's contact certificate counts. Summed over pairs and steps.
+struct NarrowCounts {
+  std::uint64_t cold = 0;         ///< searches from nothing (Bullet's GJK/EPA or a closed form)
+  std::uint64_t searches = 0;     ///< full searches of any cause
+  std::uint64_t warm = 0;         ///< answers verified from the cache
+  std::uint64_t uncertified = 0;  ///< answers used although upper and lower bound differ
+  std::uint64_t fallbacks = 0;    ///< answers of Bullet's that failed their certificate; the second route answered
+  std::uint64_t missed = 0;       ///< pairs Bullet called separate that overlap
+  std::uint64_t normalFlips = 0;  ///< normals that turned by more than 30 degrees from one step to the next
+
+  NarrowCounts& operator+=(const NarrowCounts& other);
+};
+
+/// Touching or not, by the pair's kernel, warm start included. B's frame must already hold the periodic image next to A.
+/// searchAlways: skip nothing, run the full search every time (the oracle of the switches).
+/// Returns true and fills touch when overlap > 0. Deterministic: depends on the arguments alone.
+bool findTouch(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, bool searchAlways,
+               WarmCache& cache, NarrowCounts& counts, Touch& touch);
+
+/// True if the two placed shapes overlap (for insertion and checks: no cache). overlap receives the depth when given.
+bool overlaps(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, double* overlap = nullptr);
+
+/// The depth along the unit direction n (world): an upper bound of the overlap, negative if n separates the two.
+double depthAlong(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, const Vec3& n);
+
+}  // namespace granular

@@ -1,0 +1,57 @@
+// Walls: geometry of the boundaries, each a list of contacts for a placed shape. (design 1.4)
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "granular/point/contact_point.h"
+
+namespace granular {
+
+/// One contact of a body with a wall; the body is A, the wall B.
+struct WallTouch {
+  Vec3 normal;         ///< unit, from the body into the wall
+  double overlap;      ///< m, > 0
+  std::int32_t spot;   ///< which contact of this body with this wall: numbered by the body's geometry, never by discovery
+  double share;        ///< of the stiffness among the spots of one face: 1 for a lone spot
+  ContactPatch patch;
+};
+
+/// Rigid motion of a wall at t_n: velocity of its reference point and angular velocity about it.
+struct WallMotion {
+  Vec3 reference = Vec3::Zero();
+  Vec3 velocity = Vec3::Zero();
+  Vec3 spin = Vec3::Zero();
+  Vec3 velocityAt(const Vec3& p) const { return velocity + spin.cross(p - reference); }
+};
+
+class Wall {
+ public:
+  virtual ~Wall() = default;
+
+  /// Appends every contact of the placed shape, in order of spot. Thread-safe, depends on the arguments alone.
+  virtual void touch(const RuleOptions& rule, const Shape& shape, const Frame& frame, std::vector<WallTouch>& out) const = 0;
+
+  /// Lower bound of the distance from the ball (centre, radius) to this wall's surface, m; negative if it may touch.
+  virtual double clearance(const Vec3& centre, double radius) const = 0;
+
+  /// True if the point lies on the granular side.
+  virtual bool admits(const Vec3& p) const = 0;
+
+  virtual std::string describe() const = 0;
+
+  std::string name;   ///< as the scene calls it
+  int material = 0;   ///< row of the material table
+  WallMotion motion;  ///< at rest unless the scene moves it
+};
+
+/// A half space: the granular side is where normal . (x - point) > 0.
+std::unique_ptr<Wall> makePlaneWall(const Vec3& point, const Vec3& normal);
+/// Inside of an infinite vertical cylinder about the z axis through (axis.x, axis.y), radius in m.
+std::unique_ptr<Wall> makeCylinderWall(const Vec2& axis, double radius);
+/// A triangle mesh; particles live on the side the triangles' normals point to. Vertices at equal positions are joined;
+/// coplanar neighbours act as one facet; shared edges and vertices count once.
+std::unique_ptr<Wall> makeMeshWall(const TriangleMesh& mesh, const std::string& source);
+
+}  // namespace granular
