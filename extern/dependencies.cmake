@@ -21,15 +21,12 @@ granular_require(OpenMP_CXX_FOUND "OpenMP" "g++ (or libomp-14-dev for clang)")
 pkg_check_modules(BulletD QUIET IMPORTED_TARGET bullet-float64)
 granular_require(BulletD_FOUND "Bullet in double precision (bullet-float64)" libbullet-dev)
 add_library(granular_bullet INTERFACE)
-target_compile_definitions(granular_bullet INTERFACE BT_USE_DOUBLE_PRECISION)
-# As system headers, so that Bullet's own warnings stay out of ours.
-target_include_directories(granular_bullet SYSTEM INTERFACE ${BulletD_INCLUDE_DIRS})
-target_link_libraries(granular_bullet INTERFACE BulletCollision-float64 BulletDynamics-float64 LinearMath-float64)
+target_link_libraries(granular_bullet INTERFACE PkgConfig::BulletD)
 
-pkg_check_modules(Qhull QUIET qhull_r)
+pkg_check_modules(Qhull QUIET IMPORTED_TARGET qhull_r)
 granular_require(Qhull_FOUND "Qhull (reentrant)" libqhull-dev)
 add_library(granular_qhull INTERFACE)
-target_link_libraries(granular_qhull INTERFACE qhull_r)
+target_link_libraries(granular_qhull INTERFACE PkgConfig::Qhull)
 
 find_package(assimp QUIET)
 granular_require(assimp_FOUND "assimp" libassimp-dev)
@@ -49,10 +46,11 @@ find_path(CLI11_INCLUDE_DIR CLI/CLI.hpp)
 granular_require(CLI11_INCLUDE_DIR "CLI11" libcli11-dev)
 add_library(granular_cli INTERFACE)
 
-find_package(HDF5 QUIET COMPONENTS C)
-granular_require(HDF5_FOUND "HDF5" libhdf5-dev)
+# By pkg-config, because CMake's own module asks every user of the installed library to enable C.
+pkg_check_modules(Hdf5 QUIET IMPORTED_TARGET hdf5)
+granular_require(Hdf5_FOUND "HDF5" libhdf5-dev)
 add_library(granular_hdf5 INTERFACE)
-target_link_libraries(granular_hdf5 INTERFACE hdf5::hdf5)
+target_link_libraries(granular_hdf5 INTERFACE PkgConfig::Hdf5)
 
 find_package(fmt QUIET)
 granular_require(fmt_FOUND "fmt" libfmt-dev)
