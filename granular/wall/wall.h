@@ -11,10 +11,11 @@ namespace granular {
 
 /// One contact of a body with a wall; the body is A, the wall B.
 struct WallTouch {
-  Vec3 normal;         ///< unit, from the body into the wall
-  double overlap;      ///< m, > 0
-  std::int32_t spot;   ///< which contact of this body with this wall: numbered by the body's geometry, never by discovery
-  double share;        ///< of the stiffness among the spots of one face: 1 for a lone spot
+  Vec3 normal;     ///< unit, from the body into the wall
+  double overlap;  ///< m, > 0
+  std::int32_t
+      spot;      ///< which contact of this body with this wall: numbered by the body's geometry, never by discovery
+  double share;  ///< of the stiffness among the spots of one face: 1 for a lone spot
   ContactPatch patch;
 };
 
@@ -31,7 +32,8 @@ class Wall {
   virtual ~Wall() = default;
 
   /// Appends every contact of the placed shape, in order of spot. Thread-safe, depends on the arguments alone.
-  virtual void touch(const RuleOptions& rule, const Shape& shape, const Frame& frame, std::vector<WallTouch>& out) const = 0;
+  virtual void touch(const RuleOptions& rule, const Shape& shape, const Frame& frame,
+                     std::vector<WallTouch>& out) const = 0;
 
   /// Lower bound of the distance from the ball (centre, radius) to this wall's surface, m; negative if it may touch.
   virtual double clearance(const Vec3& centre, double radius) const = 0;
