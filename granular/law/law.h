@@ -1,5 +1,6 @@
 // Contact laws as pure functions: geometry, velocities, parameters and history in; force, couple and history out.
 // Signs: normal from A (i) to B (j); force and couple act on A, their opposites on B.
+// A law is one header with an inline kernel (linear.h) and one row of the table in law.cpp.
 #pragma once
 
 #include <string_view>
@@ -10,69 +11,85 @@ namespace granular {
 
 /// Parameters of a pair of materials (S section 6). k_n in N/m; restitution in (0, 1]; friction >= 0.
 struct ContactParameters {
-  double stiffness = 1e4;      ///< k_n
-  double restitution = 0.8;    ///< e_n
-  double restitutionT = 0.6;   ///< e_t
-  double friction = 0.1;       ///< mu_c
+  double stiffness = 1e4;     ///< k_n
+  double restitution = 0.8;   ///< e_n
+  double restitutionT = 0.6;  ///< e_t
+  double friction = 0.1;      ///< mu_c
 };
 
 /// Named options of the linear law.
 struct LawOptions {
   bool tension = true;          ///< keep the attractive end of a damped contact, so that e = e_n (S 10); else cut at 0
   bool frictionOfPush = false;  ///< Coulomb's limit from max(F_n, 0) instead of |F_n|
-  bool localMass = false;       ///< contact_mass = local: damping from the mass the contact point feels, not from mu
+  bool localMass = false;       ///< contact_mass = local: eta_n from the mass the contact point feels, not from mu
+  /// Friction points against the sliding velocity alone (S 9), not against spring and dashpot together. The two agree
+  /// wherever a contact slides steadily; a contact at rest at Coulomb's limit flips its force with every sign of u_t
+  /// here.
+  bool slideAlongVelocity = false;
 };
 
 /// A body as a law sees it.
 struct ContactBody {
-  double inverseMass = 0;       ///< 1/kg; 0 for walls and fixed bodies
-  double radiusRatio = 0;       ///< R = <r^2>/<I>, 1/kg; 0 for walls and fixed bodies
-  Vec3 arm = Vec3::Zero();      ///< contact point - centre of mass, m
+  double inverseMass = 0;              ///< 1/kg; 0 for walls and fixed bodies
+  double radiusRatio = 0;              ///< R = <r^2>/<I>, 1/kg; 0 for walls and fixed bodies
+  Vec3 arm = Vec3::Zero();             ///< contact point - centre of mass, m
   Mat3 inverseInertia = Mat3::Zero();  ///< world axes, 1/(kg m^2); read only with localMass
 };
 
-/// Kinematics of one contact at t_n. Velocities handed to dashpots are those at t_n; the increment of the tangential spring is
-/// the half-step velocity times dt (design 1.3).
+/// Kinematics of one contact at t_n. Velocities handed to dashpots are those at t_n; the increment of the tangential
+/// spring is the half-step velocity times dt (design 1.3).
 struct ContactMotion {
-  Vec3 normal;             ///< unit, A to B
-  double overlap = 0;      ///< m
-  Vec3 velocity;           ///< of A's contact point minus B's at t_n, at `point`
-  Vec3 slip;               ///< relative displacement of the contact point during the last step, m
-  Vec3 spin;               ///< w_A - w_B at t_n, rad/s
-  Vec3 meanSpin;           ///< (w_A + w_B)/2, rad/s: turns the spring about the normal
-  double share = 1;        ///< stiffness share of this spot among the spots of one face
+  Vec3 normal;         ///< unit, A to B
+  double overlap = 0;  ///< m
+  Vec3 velocity;       ///< of A's contact point minus B's at t_n, at `point`
+  Vec3 slip;           ///< relative displacement of the contact point during the last step, m
+  Vec3 spin;           ///< w_A - w_B at t_n, rad/s; read only for a patch
+  Vec3 meanSpin;       ///< (w_A + w_B)/2, rad/s: turns the spring about the normal
+  double share = 1;    ///< stiffness share of this spot among the spots of one face
   double dt = 0;
   // Patch: zero area for a point contact.
-  Vec3 centreArm;          ///< patch centre - contact point, m
+  Vec3 centreArm;  ///< patch centre - contact point, m
   double area = 0;
-  Vec3 u;                  ///< in-plane axis of the moments
+  Vec3 u;  ///< in-plane axis of the moments
   double uu = 0, vv = 0, uv = 0;
+  Vec3 turn = Vec3::Zero();  ///< relative rotation during the last step: (w_A - w_B) at the half step times dt, rad
 };
 
 enum class LawKind : unsigned char { linear };
 
-/// Constants of a parameter set that every contact of the pair of materials shares.
+/// Constants of a parameter set that every contact of the pair of materials shares: all logarithms and roots of the
+/// law. The index of the two-valued ones is LawOptions::tension: 0 cut at 0, 1 attractive end kept.
 struct LawConstants {
   ContactParameters parameters;
-  double logN = 0, logT = 0;      ///< ln e_n, ln e_t
-  double phase = 0;               ///< pi^2 + ln^2 e_n
-  double stiffnessRatio = 0;      ///< (pi^2 + ln^2 e_t)/(pi^2 + ln^2 e_n)
-  double dampingRatioCut = 0;     ///< zeta for e_n when the force is cut at 0 (verification c)
+  double inverseStiffness = 0;  ///< 1/k_n, m/N
+  double dampingN[2] = {};      ///< 2 zeta: eta_n = dampingN sqrt(k_n m) (S 15, or the cut-off formula)
+  double timeFactor[2] = {};    ///< t_c = timeFactor sqrt(m/k_n) (S 14, or the cut-off formula)
+  double dampingT = 0;          ///< eta_t = dampingT m_t sqrt(k_n/mu) (S 16)
+  double stiffnessRatio = 0;    ///< (pi^2 + ln^2 e_t)/(pi^2 + ln^2 e_n) (S 13)
 };
+
+/// Checks the parameters and prepares their constants. Throws InputError naming parameter, value and limit when a value
+/// is not finite, stiffness <= 0, a restitution is outside (0, 1] (e = 0 has no finite dashpot) or friction < 0.
 LawConstants prepareLaw(const ContactParameters& parameters);
+
+/// Damping ratio zeta of a linear dashpot whose restitution is e in (0, 1]: with the attractive end kept, or cut at 0.
+double dampingRatioFor(double restitution, bool tension);
 
 using Law = void (*)(const LawConstants&, const LawOptions&, const ContactBody& a, const ContactBody& b,
                      const ContactMotion&, ContactHistory&, ContactForce&);
 /// The table of laws; one row per law.
 Law lawFunction(LawKind kind);
+/// Names as scene files spell them: "linear". Throws InputError for any other.
 LawKind lawFromName(std::string_view name);
+std::string_view lawName(LawKind kind);
 
 /// Effective coefficients of one contact, for the bound on the time step (S 13-16; design 1.3).
 struct ContactStiffness {
-  double normal = 0, tangential = 0;         ///< N/m
+  double normal = 0, tangential = 0;                ///< N/m
   double dampingNormal = 0, dampingTangential = 0;  ///< kg/s
-  double contactTime = 0;                    ///< t_c, s
+  double contactTime = 0;                           ///< t_c, s
 };
+/// normal: read only with localMass. At least one body must be free.
 ContactStiffness stiffnessOf(const LawConstants&, const LawOptions&, const ContactBody& a, const ContactBody& b,
                              const Vec3& normal);
 

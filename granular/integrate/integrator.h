@@ -1,0 +1,63 @@
+// Schemes of motion behind one signature, for one body at a time (design: S equation 1 and its reference 25).
+// A step is predict (half-step memory -> state at t_{n+1}, which the contact law reads), one force and torque, and
+// advance (-> memory of the next half step). Every scheme must be started from (x_0, v_0, q_0, w_0): without the half
+// step it falls to first order. A change of dt is a new start from the state at t_n; single pairs are never
+// sub-stepped. The schemes are inline functions of their own headers (seelen.h, spiral.h); the table serves those who
+// choose at run time.
+#pragma once
+
+#include <string_view>
+
+#include "granular/core/math.h"
+
+namespace granular {
+
+/// What a scheme remembers of one body's rotation; references into the arrays that own it.
+struct RotationMemory {
+  Quat& qHalf;  ///< orientation at the scheme's stored time, body to world
+  Vec3& wHalf;  ///< angular velocity at the half step, body axes, rad/s
+  Vec3& alpha;  ///< angular acceleration of the last step, body axes, rad/s^2
+};
+
+/// Euler's equation in body axes: a = I^-1 (T - w x I w). inverseInertia 0 holds the axis.
+inline Vec3 accelerateRotation(const Vec3& inertia, const Vec3& inverseInertia, const Vec3& torque, const Vec3& w) {
+  return inverseInertia.cwiseProduct(torque - w.cross(inertia.cwiseProduct(w)));
+}
+
+/// v_{1/2} from v_0 and A_0 (world axes).
+inline void startTranslation(double dt, const Vec3& acceleration, const Vec3& v, Vec3& vHalf) {
+  vHalf = v + 0.5 * dt * acceleration;
+}
+
+/// x_{n+1}, and v_{n+1} for the dashpots; acceleration is A_n.
+inline void predictTranslation(double dt, const Vec3& vHalf, const Vec3& acceleration, Vec3& x, Vec3& v) {
+  x += dt * vHalf;
+  v = vHalf + 0.5 * dt * acceleration;
+}
+
+/// v_{n+3/2} from A_{n+1}.
+inline void advanceTranslation(double dt, const Vec3& acceleration, Vec3& vHalf) { vHalf += dt * acceleration; }
+
+enum class SchemeKind : unsigned char { seelen, spiral };
+
+/// One row of the table. Inertia: principal moments, kg m^2; inverseInertia 0 for a fixed body; torque and w in world
+/// axes.
+struct RotationScheme {
+  SchemeKind kind;
+  std::string_view name;
+  /// Memory of the first half step from the state and torque at t_0.
+  void (*start)(double dt, const Vec3& inertia, const Vec3& inverseInertia, const Vec3& torque, const Quat& q,
+                const Vec3& w, RotationMemory memory);
+  /// Orientation and predicted angular velocity (world axes) at t_{n+1}.
+  void (*predict)(double dt, const Quat& qHalf, const Vec3& wHalf, const Vec3& alpha, Quat& q, Vec3& w);
+  /// Memory of the next half step; q and w as predict left them, torque at t_{n+1}.
+  void (*advance)(double dt, const Vec3& inertia, const Vec3& inverseInertia, const Vec3& torque, const Quat& q,
+                  const Vec3& w, RotationMemory memory);
+};
+
+const RotationScheme& rotationScheme(SchemeKind kind);
+
+/// Names as scene files spell them: "seelen", "spiral". Throws InputError for any other.
+SchemeKind schemeFromName(std::string_view name);
+
+}  // namespace granular

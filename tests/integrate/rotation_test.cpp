@@ -1,0 +1,244 @@
+// Order of the rotation schemes on motions known exactly.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <functional>
+
+#include "granular/core/errors.h"
+#include "granular/integrate/integrator.h"
+#include "granular/integrate/small_rotation.h"
+
+namespace granular {
+namespace {
+
+/// Jacobi's sn, cn, dn by descending Landen transformations (AGM), m = k^2 in (0, 1).
+std::array<double, 3> findJacobi(double u, double m) {
+  std::array<double, 16> a{}, c{};
+  a[0] = 1;
+  c[0] = std::sqrt(m);
+  double b = std::sqrt(1 - m);
+  int n = 0;
+  while (c[n] > 1e-17 && n < 15) {
+    a[n + 1] = 0.5 * (a[n] + b);
+    c[n + 1] = 0.5 * (a[n] - b);
+    b = std::sqrt(a[n] * b);
+    ++n;
+  }
+  double phi = std::ldexp(a[n] * u, n);
+  for (; n > 0; --n) phi = 0.5 * (phi + std::asin(c[n] / a[n] * std::sin(phi)));
+  const double sn = std::sin(phi);
+  return {sn, std::cos(phi), std::sqrt(1 - m * sn * sn)};
+}
+
+/// The torque-free asymmetric top with I1 < I2 < I3 and L^2 > 2 E I2: w3 never vanishes.
+/// L points along world z; orientation by the angles phi (about z), theta, psi of the zxz convention.
+struct FreeTop {
+  Vec3 inertia{1.0, 2.0, 3.0};
+  Vec3 amplitude;
+  double rate = 0, m = 0, momentum = 0;
+
+  FreeTop(double w1, double w3) {
+    const double i1 = inertia.x(), i2 = inertia.y(), i3 = inertia.z();
+    // At t = 0: w = (w1, 0, w3).
+    const double energy2 = i1 * w1 * w1 + i3 * w3 * w3, square = i1 * i1 * w1 * w1 + i3 * i3 * w3 * w3;
+    momentum = std::sqrt(square);
+    rate = std::sqrt((i3 - i2) * (square - energy2 * i1) / (i1 * i2 * i3));
+    m = (i2 - i1) * (energy2 * i3 - square) / ((i3 - i2) * (square - energy2 * i1));
+    amplitude = Vec3(w1, std::sqrt((energy2 * i3 - square) / (i2 * (i3 - i2))), w3);
+  }
+  Vec3 velocityBody(double t) const {
+    const auto [sn, cn, dn] = findJacobi(rate * t, m);
+    // w1 ~ cn, w2 ~ sn, w3 ~ dn; Euler: I2 w2' = (I3 - I1) w3 w1 > 0 at t = 0.
+    return {amplitude.x() * cn, amplitude.y() * sn, amplitude.z() * dn};
+  }
+  double precession(double t) const {
+    const Vec3 l = inertia.cwiseProduct(velocityBody(t)), w = velocityBody(t);
+    return momentum * (l.x() * w.x() + l.y() * w.y()) / (l.x() * l.x() + l.y() * l.y());
+  }
+  Quat orientation(double t) const {
+    // phi by Gauss-Legendre with three points on many intervals: exact to round-off for this smooth function.
+    const int intervals = 4000;
+    const double h = t / intervals;
+    double phi = 0;
+    for (int i = 0; i < intervals; ++i) {
+      const double middle = (i + 0.5) * h, off = 0.5 * h * std::sqrt(0.6);
+      phi += h / 18 * (5 * precession(middle - off) + 8 * precession(middle) + 5 * precession(middle + off));
+    }
+    const Vec3 l = inertia.cwiseProduct(velocityBody(t));
+    const double theta = std::acos(l.z() / momentum), psi = std::atan2(l.x(), l.y());
+    return Quat(Eigen::AngleAxisd(phi, Vec3::UnitZ()) * Eigen::AngleAxisd(theta, Vec3::UnitX()) *
+                Eigen::AngleAxisd(psi, Vec3::UnitZ()));
+  }
+};
+
+using Torque = std::function<Vec3(const Quat&, const Vec3&)>;  // world axes, from q and w (world)
+
+struct State {
+  Quat q;
+  Vec3 w;  // world
+};
+
+State integrate(const RotationScheme& scheme, const Vec3& inertia, State state, const Torque& torque, double time,
+                int steps, bool halfStart = true) {
+  const Vec3 inverse = inertia.cwiseInverse();
+  const double dt = time / steps;
+  Quat qHalf = state.q;
+  Vec3 wHalf = state.q.conjugate() * state.w, alpha = Vec3::Zero();
+  RotationMemory memory{qHalf, wHalf, alpha};
+  if (halfStart) scheme.start(dt, inertia, inverse, torque(state.q, state.w), state.q, state.w, memory);
+  for (int n = 0; n < steps; ++n) {
+    scheme.predict(dt, qHalf, wHalf, alpha, state.q, state.w);
+    scheme.advance(dt, inertia, inverse, torque(state.q, state.w), state.q, state.w, memory);
+  }
+  return state;
+}
+
+/// The oracle: Runge-Kutta of order four in small steps.
+State integrateFinely(const Vec3& inertia, State state, const Torque& torque, double time, int steps) {
+  const double h = time / steps;
+  using Vec7 = Eigen::Matrix<double, 7, 1>;
+  const auto pack = [](const Quat& q, const Vec3& w) {
+    Vec7 y;
+    y << q.coeffs(), w;
+    return y;
+  };
+  const auto derive = [&](const Vec7& y) {
+    const Quat q(Eigen::Vector4d(y.head<4>()));
+    const Vec3 w = y.tail<3>(), world = q.normalized() * w;
+    const Vec3 a =
+        accelerateRotation(inertia, inertia.cwiseInverse(), q.normalized().conjugate() * torque(q, world), w);
+    return pack(Quat((q * Quat(0, w.x(), w.y(), w.z())).coeffs() * 0.5), a);
+  };
+  Vec7 y = pack(state.q, state.q.conjugate() * state.w);
+  for (int n = 0; n < steps; ++n) {
+    const Vec7 k1 = derive(y), k2 = derive(y + 0.5 * h * k1), k3 = derive(y + 0.5 * h * k2), k4 = derive(y + h * k3);
+    y += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+  }
+  const Quat q = Quat(Eigen::Vector4d(y.head<4>())).normalized();
+  return {q, q * Vec3(y.tail<3>())};
+}
+
+double angleBetween(const Quat& a, const Quat& b) { return a.angularDistance(b); }
+
+class Schemes : public testing::TestWithParam<SchemeKind> {
+ protected:
+  const RotationScheme& scheme = rotationScheme(GetParam());
+
+  /// Errors fall by 4 when the step is halved, in q and in w.
+  void expectOrderTwo(const Vec3& inertia, const State& start, const Torque& torque, const State& end, double time,
+                      int steps) {
+    State coarse = integrate(scheme, inertia, start, torque, time, steps);
+    State fine = integrate(scheme, inertia, start, torque, time, 2 * steps);
+    const double orderQ = std::log2(angleBetween(coarse.q, end.q) / angleBetween(fine.q, end.q));
+    const double orderW = std::log2((coarse.w - end.w).norm() / (fine.w - end.w).norm());
+    EXPECT_NEAR(orderQ, 2, 0.1) << angleBetween(coarse.q, end.q);
+    EXPECT_NEAR(orderW, 2, 0.1) << (coarse.w - end.w).norm();
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(All, Schemes, testing::Values(SchemeKind::seelen, SchemeKind::spiral),
+                         [](const auto& info) { return std::string(rotationScheme(info.param).name); });
+
+const Torque noTorque = [](const Quat&, const Vec3&) { return Vec3::Zero().eval(); };
+
+TEST(FreeTop, ExactSolutionObeysEulersEquationAndKeepsTheMomentumFixed) {
+  const FreeTop top(0.8, 1.1);
+  const State end =
+      integrateFinely(top.inertia, {top.orientation(0), top.orientation(0) * top.velocityBody(0)}, noTorque, 5, 20000);
+  EXPECT_LT((end.q.conjugate() * end.w - top.velocityBody(5)).norm(), 1e-11);
+  EXPECT_LT(angleBetween(end.q, top.orientation(5)), 1e-11);
+}
+
+TEST_P(Schemes, AreOfSecondOrderOnTheFreeAsymmetricTop) {
+  const FreeTop top(0.8, 1.1);
+  const State start{top.orientation(0), top.orientation(0) * top.velocityBody(0)};
+  const State end{top.orientation(7), top.orientation(7) * top.velocityBody(7)};
+  expectOrderTwo(top.inertia, start, noTorque, end, 7, 2000);
+}
+
+TEST_P(Schemes, AreOfSecondOrderOnTheHeavySymmetricTop) {
+  // Steady precession at tilt theta: I3 w3 W - I1 W^2 cos(theta) = m g l; phi = W t, psi = (w3 - W cos(theta)) t.
+  const Vec3 inertia(1.5, 1.5, 0.7);
+  const double theta = 0.6, precession = 0.9, w3 = 6;
+  const double weight = inertia.z() * w3 * precession - inertia.x() * precession * precession * std::cos(theta);
+  const auto exact = [&](double t) {
+    const Quat q(Eigen::AngleAxisd(precession * t, Vec3::UnitZ()) * Eigen::AngleAxisd(theta, Vec3::UnitX()) *
+                 Eigen::AngleAxisd((w3 - precession * std::cos(theta)) * t, Vec3::UnitZ()));
+    const Vec3 axis = q * Vec3::UnitZ();
+    return State{q, precession * Vec3::UnitZ() + (w3 - precession * std::cos(theta)) * axis};
+  };
+  const Torque torque = [&](const Quat& q, const Vec3&) {
+    return Vec3((q * Vec3::UnitZ()).cross(-weight * Vec3::UnitZ()));
+  };
+  expectOrderTwo(inertia, exact(0), torque, exact(4), 4, 2000);
+}
+
+TEST_P(Schemes, AreOfSecondOrderUnderADampingTorque) {
+  // The torque reads the predicted velocity: with the half-step velocity this would be of first order.
+  const Vec3 inertia(1.0, 2.0, 3.0);
+  const State start{Quat(0.5, 0.5, -0.5, 0.5), Vec3(1.0, 0.4, -0.7)};
+  const Torque torque = [](const Quat&, const Vec3& w) { return Vec3(-0.6 * w); };
+  expectOrderTwo(inertia, start, torque, integrateFinely(inertia, start, torque, 4, 20000), 4, 1000);
+}
+
+TEST_P(Schemes, FallToFirstOrderWithoutTheHalfStepStart) {
+  const FreeTop top(0.8, 1.1);
+  const State start{top.orientation(0), top.orientation(0) * top.velocityBody(0)}, end{top.orientation(7), {}};
+  const double coarse = angleBetween(integrate(scheme, top.inertia, start, noTorque, 7, 2000, false).q, end.q);
+  const double fine = angleBetween(integrate(scheme, top.inertia, start, noTorque, 7, 4000, false).q, end.q);
+  EXPECT_NEAR(std::log2(coarse / fine), 1, 0.1);
+}
+
+TEST_P(Schemes, KeepQuaternionsUnitOverManySteps) {
+  const State end = integrate(scheme, {1, 2, 3}, {Quat::Identity(), Vec3(3, 1, 2)}, noTorque, 1000, 200000);
+  EXPECT_NEAR(end.q.norm(), 1, 1e-15);
+}
+
+TEST_P(Schemes, LeaveAFixedBodyFixed) {
+  Quat q(0.5, 0.5, 0.5, 0.5), qHalf = q;
+  Vec3 w = Vec3::Zero(), wHalf = w, alpha = w;
+  const Vec3 inertia(1, 2, 3), none = Vec3::Zero(), torque(4, 5, 6);
+  scheme.start(0.1, inertia, none, torque, q, w, {qHalf, wHalf, alpha});
+  scheme.predict(0.1, qHalf, wHalf, alpha, q, w);
+  scheme.advance(0.1, inertia, none, torque, q, w, {qHalf, wHalf, alpha});
+  EXPECT_EQ(q.coeffs(), Quat(0.5, 0.5, 0.5, 0.5).coeffs());
+  EXPECT_EQ(w, none);
+}
+
+TEST(Seelen, OrientationErrorOnTheFreeTopStaysBelowHalfOfDtSquaredTimesT) {
+  // For angular velocities near 1, in units of dt^2 T.
+  const FreeTop top(0.8, 1.1);
+  const State start{top.orientation(0), top.orientation(0) * top.velocityBody(0)};
+  const State end = integrate(rotationScheme(SchemeKind::seelen), top.inertia, start, noTorque, 7, 7000);
+  EXPECT_LT(angleBetween(end.q, top.orientation(7)) / (1e-6 * 7), 0.5);
+}
+
+TEST(SmallRotation, AgreesWithSineAndCosine) {
+  for (double angle = 1e-9; angle < 1; angle *= 1.5) {
+    const Vec3 r = angle * Vec3(0.6, -0.48, 0.64);
+    const Quat exact(Eigen::AngleAxisd(angle, Vec3(0.6, -0.48, 0.64)));
+    EXPECT_LT((rotateByStep(r).coeffs() - exact.coeffs()).norm(), 3e-16) << angle;
+  }
+}
+
+TEST(Translation, LeapfrogFollowsAParabolaExactly) {
+  const Vec3 g(0, 0, -9.81);
+  const double dt = 1e-3;
+  Vec3 x = Vec3::Zero(), v(1, 2, 3), vHalf;
+  startTranslation(dt, g, v, vHalf);
+  for (int n = 0; n < 1000; ++n) {
+    predictTranslation(dt, vHalf, g, x, v);
+    advanceTranslation(dt, g, vHalf);
+  }
+  EXPECT_LT((x - Vec3(1, 2, 3 - 0.5 * 9.81)).norm(), 1e-12);
+  EXPECT_LT((v - Vec3(1, 2, 3 - 9.81)).norm(), 1e-12);
+}
+
+TEST(SchemeTable, FindsSchemesByName) {
+  EXPECT_EQ(schemeFromName("seelen"), SchemeKind::seelen);
+  EXPECT_EQ(schemeFromName("spiral"), SchemeKind::spiral);
+  EXPECT_THROW(schemeFromName("euler"), InputError);
+}
+
+}  // namespace
+}  // namespace granular
