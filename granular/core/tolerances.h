@@ -10,4 +10,20 @@ inline constexpr double tie = 1e-12;
 /// Relative to the pair's size: largest gap between the upper and the lower bound of a certified overlap.
 inline constexpr double certificate = 1e-9;
 
+/// Relative to the largest principal moment: moments closer than this are equal, and the principal axes stay as near to
+/// the axes given as they can. Neglects products of inertia below this; rounding of a mesh's moments is about 1e-14.
+inline constexpr double equalMoments = 1e-11;
+
+/// Relative to the largest extent: a set of points thinner than this is flat.
+/// Also how far a point must stand out of the hull of the others to count as a vertex: the normal of a face of width w is
+/// known to eps/w, so w = sqrt(eps) is where what is neglected equals what is known (for 5 mm, less than an atom).
+inline constexpr double hullWidth = 1e-8;
+
+/// Relative to the largest extent: how far a hull vertex may lie above a hull face. Twice eps / hullWidth, rounded up.
+inline constexpr double hullConvexity = 1e-7;
+
+/// Relative to the bounding radius: a point this far outside still counts as on the surface. Covers the rounding of a
+/// support point (a few eps), nothing else.
+inline constexpr double onSurface = 1e-14;
+
 }  // namespace granular::tolerance

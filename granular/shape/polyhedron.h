@@ -2,8 +2,10 @@
 // Cuboids carry the same tables, so that one kernel serves both.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "granular/shape/shape.h"
 
@@ -35,17 +37,24 @@ struct PolyhedronTables {
   std::int32_t supportVertex(const Vec3& d, std::int32_t start = 0) const;
 };
 
+/// Tables of a closed convex polyhedron from its faces, corners counter-clockwise seen from outside. Normals are
+/// computed from the corners; an offset is the furthest of its face's corners along the normal, so that no vertex lies
+/// outside.
+PolyhedronTables makePolyhedronTables(std::vector<Vec3> vertices, std::span<const std::vector<std::int32_t>> faces);
+
 class Polyhedron : public Shape {
  public:
   /// The convex hull of the points, moved to its centre of mass and turned to its principal axes. Throws InputError for
-  /// fewer than four points, points in a plane, or non-finite coordinates. When given, toBody receives the frame of the body in the input
-  /// coordinates: input point = toBody->toWorld(body point).
+  /// fewer than four points, points in a plane, or non-finite coordinates. When given, toBody receives the frame of the
+  /// body in the input coordinates: input point = toBody->toWorld(body point).
   explicit Polyhedron(std::span<const Vec3> points, Frame* toBody = nullptr);
 
   const PolyhedronTables& tables() const { return topology; }
 
   Vec3 support(const Vec3& d) const override;
+  /// Of more than Feature::capacity vertices in the slab the deepest are kept.
   void supportFeature(const Vec3& d, double slab, Feature& out) const override;
+  /// Of a face with more than Feature::capacity corners evenly spaced ones are kept: a convex subset of the face.
   Vec3 supportFace(const Vec3& d, double minCosine, Feature& out) const override;
   bool contains(const Vec3& p) const override;
   TriangleMesh surface(int resolution) const override;
@@ -54,8 +63,16 @@ class Polyhedron : public Shape {
   Aabb bounds(const Frame& frame) const override;
 
  protected:
-  Polyhedron(ShapeKind kind, std::span<const Vec3> points, Frame* toBody);
+  /// For kinds that fill the tables and set the measures themselves.
+  explicit Polyhedron(ShapeKind kind) : Shape(kind) {}
+  /// Where the climb for direction d starts: the support vertex of the middle of d's octant.
+  std::int32_t climbStart(const Vec3& d) const {
+    return octantVertex[static_cast<std::size_t>((d.x() > 0) + 2 * (d.y() > 0) + 4 * (d.z() > 0))];
+  }
+  void findOctantVertices();
+
   PolyhedronTables topology;
+  std::array<std::int32_t, 8> octantVertex{};
 };
 
 /// A cuboid: the polyhedron whose support needs no search. Corner k has sign bits (k & 1, k & 2, k & 4) for x, y, z,

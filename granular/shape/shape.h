@@ -1,7 +1,10 @@
-// A convex shape in its body frame: origin at the centre of mass, axes along the principal axes of inertia (S section 2.2).
-// The virtual interface serves set-up, cold starts, analysis and output; kernels of the force loop take a concrete type.
+// A convex shape in its body frame: origin at the centre of mass, axes along the principal axes of inertia (S
+// section 2.2). The virtual interface serves set-up, cold starts, analysis and output; kernels of the force loop take a
+// concrete type.
 #pragma once
 
+#include <array>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <vector>
@@ -45,10 +48,10 @@ class Shape {
   /// The surface point furthest along direction d (any length > 0), body frame (S table 5).
   virtual Vec3 support(const Vec3& d) const = 0;
 
-  /// The part of the shape within slab (m, >= 0) below the supporting plane of the unit direction d, as a Feature in order
-  /// around d. Polyhedra: the convex hull, seen along d, of all vertices in the slab (the whole set if it fits, else the
-  /// deepest). Flat faces of cylinders and cones are sampled as polygons of faceSamples points, the first of them at the
-  /// support azimuth; their sides are segments; other curved surfaces give their support point.
+  /// The part of the shape within slab (m, >= 0) below the supporting plane of the unit direction d, as a Feature in
+  /// order around d. Polyhedra: the convex hull, seen along d, of all vertices in the slab (the whole set if it fits,
+  /// else the deepest). Flat faces of cylinders and cones are sampled as polygons of faceSamples points, the first of
+  /// them at the support azimuth; their sides are segments; other curved surfaces give their support point.
   virtual void supportFeature(const Vec3& d, double slab, Feature& out) const = 0;
 
   /// The flat face whose outward normal is closest to the unit direction d, if their cosine is at least minCosine;
@@ -87,7 +90,18 @@ class Shape {
   Vec3 axis = Vec3::UnitZ();
 };
 
-/// How many points stand for a circle when a flat round face is clipped.
+/// The coordinate axis along which a body with these three measures (semi-axes, half-lengths, moments) is unlike the
+/// other two: the largest or the smallest, whichever is further from the middle one. Near ties (1e-9) go to the largest
+/// or the smallest as asked, and a body equal in all three gets z.
+Vec3 distinctAxis(const Vec3& measures, bool preferLargest);
+
+/// A length for messages: 3 significant digits or more in m, mm or um.
+std::string describeLength(double metres);
+/// Several lengths in one unit: "3 x 3 x 3 mm".
+std::string describeLengths(std::initializer_list<double> metres);
+
+/// How many points stand for a circle when a flat round face is clipped. They lie on the rim, so that no contact point
+/// leaves the body: the polygon's area is sin(2 pi/N)/(2 pi/N) of the disk's, 0.64 % too small for N = 32.
 inline constexpr int faceSamples = 32;
 
 }  // namespace granular
