@@ -9,11 +9,11 @@
 namespace granular {
 
 struct BedContact {
-  std::int32_t a = 0, b = -1;    ///< indices into particles; b = -1: a wall
-  Vec3 point = Vec3::Zero();     ///< m
-  Vec3 normal = Vec3::UnitZ();   ///< unit, from a to b
-  Vec3 force = Vec3::Zero();     ///< on a, N
-  double overlap = 0;            ///< m
+  std::int32_t a = 0, b = -1;   ///< indices into particles; b = -1: a wall
+  Vec3 point = Vec3::Zero();    ///< m
+  Vec3 normal = Vec3::UnitZ();  ///< unit, from a to b
+  Vec3 force = Vec3::Zero();    ///< on a, N
+  double overlap = 0;           ///< m
 };
 
 /// What holds the bed. Axis along z; the floor at z = floor.
@@ -21,6 +21,7 @@ struct Vessel {
   enum class Kind { none, cylinder, box, periodic };
   Kind kind = Kind::none;
   Vec3 lo = Vec3::Zero(), hi = Vec3::Zero();  ///< box and periodic: bounds, m
+  bool periodicHeight = false;                ///< periodic: along z too, without a floor; otherwise along x and y
   Vec2 axis = Vec2::Zero();                   ///< cylinder
   double radius = 0;                          ///< cylinder, m
   double floor = 0;                           ///< m
