@@ -53,20 +53,22 @@ class SizeDistribution {
     double cumulated, lo, hi, bound;
   };
 
+  void setFixed(double size);
   void setUniform();
   void setNormal();
   void setLogNormal();
   void setSieve();
+  void cutOff(double from, double to);
   void makeCells(double from, double to);
-  double densityBound(double from, double to) const;
   double density(double t) const;
+  double drawBetween(double from, double to, Random& random) const;
   double drawFromCells(Random& random) const;
 
   SizeOptions given;
   double lo = 0, hi = 0;
-  // The Gaussian behind normal (in the size) and logNormal (in its logarithm), and whether s^-3 multiplies it.
+  // The Gaussian behind normal (in the size) and logNormal (in its logarithm); see density().
   double middle = 0, width = 0;
-  bool cubed = false;
+  bool inverseCube = false;
   std::vector<Class> classes;
   std::vector<Cell> cells;
 };
