@@ -4,6 +4,9 @@
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <BulletCollision/CollisionShapes/btConvexInternalShape.h>
 
+#include "granular/shape/cone.h"
+#include "granular/shape/cylinder.h"
+#include "granular/shape/ellipsoid.h"
 #include "granular/shape/polyhedron.h"
 #include "granular/shape/sphere.h"
 
@@ -52,6 +55,22 @@ std::unique_ptr<btConvexShape> makeExactShape(const Shape& shape, double scale, 
 
 std::unique_ptr<btConvexShape> Sphere::makeBulletShape(double scale) const {
   return makeExactShape(*this, scale, [radius = r * scale](const Vec3& d) { return sphereSupport(radius, d); });
+}
+
+std::unique_ptr<btConvexShape> Ellipsoid::makeBulletShape(double scale) const {
+  return makeExactShape(*this, scale,
+                        [scaled = Vec3(axes * scale)](const Vec3& d) { return ellipsoidSupport(scaled, d); });
+}
+
+std::unique_ptr<btConvexShape> Cylinder::makeBulletShape(double scale) const {
+  return makeExactShape(*this, scale, [radius = r * scale, halfHeight = half * scale](const Vec3& d) {
+    return cylinderSupport(radius, halfHeight, d);
+  });
+}
+
+std::unique_ptr<btConvexShape> Cone::makeBulletShape(double scale) const {
+  return makeExactShape(
+      *this, scale, [radius = r * scale, height = h * scale](const Vec3& d) { return coneSupport(radius, height, d); });
 }
 
 std::unique_ptr<btConvexShape> Polyhedron::makeBulletShape(double scale) const {

@@ -6,6 +6,7 @@
 #include "granular/core/errors.h"
 #include "granular/core/tolerances.h"
 #include "granular/shape/hull.h"
+#include "granular/shape/slab_points.h"
 
 namespace granular {
 
@@ -13,54 +14,18 @@ namespace {
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
-/// A vertex in the slab: its height along d and its coordinates in the plane seen along d.
-struct SlabVertex {
-  double height, u, v;
-  std::int32_t index;
-};
-
-/// The vertices within a slab, at most Feature::capacity, the deepest if there are more. No allocation.
-class SlabVertices {
- public:
-  bool holds(std::int32_t index) const {
-    return std::any_of(begin(), end(), [index](const SlabVertex& s) { return s.index == index; });
-  }
-  bool isFull() const { return count == Feature::capacity; }
-  void push(const SlabVertex& vertex) {
-    if (!isFull()) {
-      items[at(count++)] = vertex;
-      return;
-    }
-    const auto lowest = std::min_element(items.begin(), items.end(),
-                                         [](const SlabVertex& s, const SlabVertex& t) { return s.height < t.height; });
-    if (vertex.height > lowest->height) *lowest = vertex;
-  }
-  const SlabVertex& operator[](int k) const { return items[at(k)]; }
-  int size() const { return count; }
-  void clear() { count = 0; }
-  SlabVertex* begin() { return items.data(); }
-  SlabVertex* end() { return items.data() + count; }
-  const SlabVertex* begin() const { return items.data(); }
-  const SlabVertex* end() const { return items.data() + count; }
-
- private:
-  std::array<SlabVertex, Feature::capacity> items;
-  int count = 0;
-};
-
 /// Collects the vertices no lower than floor along d. They are connected in the vertex graph: flood from the highest;
 /// small polyhedra and slabs of very many vertices are scanned.
-void collectSlab(const PolyhedronTables& tables, const Vec3& d, double floor, std::int32_t highest,
-                 SlabVertices& found) {
+void collectSlab(const PolyhedronTables& tables, const Vec3& d, double floor, std::int32_t highest, SlabPoints& found) {
   constexpr int scanned = 20;
   if (tables.vertexCount() > scanned) {
-    found.push({d.dot(tables.vertices[at(highest)]), 0, 0, highest});
+    found.push(tables.vertices[at(highest)], d.dot(tables.vertices[at(highest)]), highest);
     for (int k = 0; k < found.size() && !found.isFull(); ++k) {
       const std::int32_t from = found[k].index;
       for (std::int32_t j = tables.neighbourBegin[at(from)]; j < tables.neighbourBegin[at(from) + 1]; ++j) {
         const std::int32_t v = tables.neighbours[at(j)];
         const double height = d.dot(tables.vertices[at(v)]);
-        if (height >= floor && !found.isFull() && !found.holds(v)) found.push({height, 0, 0, v});
+        if (height >= floor && !found.isFull() && !found.holds(v)) found.push(tables.vertices[at(v)], height, v);
       }
     }
     if (!found.isFull()) return;
@@ -68,39 +33,8 @@ void collectSlab(const PolyhedronTables& tables, const Vec3& d, double floor, st
   }
   for (std::int32_t v = 0; v < tables.vertexCount(); ++v) {
     const double height = d.dot(tables.vertices[at(v)]);
-    if (height >= floor) found.push({height, 0, 0, v});
+    if (height >= floor) found.push(tables.vertices[at(v)], height, v);
   }
-}
-
-double turn(const SlabVertex& o, const SlabVertex& a, const SlabVertex& b) {
-  return (a.u - o.u) * (b.v - o.v) - (a.v - o.v) * (b.u - o.u);
-}
-
-/// The convex hull of the slab's vertices in the (u, v) plane (monotone chain), counter-clockwise, into out.
-void hullInPlane(const PolyhedronTables& tables, SlabVertices& found, Feature& out) {
-  // of points that coincide in the plane the highest comes first and stays
-  std::sort(found.begin(), found.end(), [](const SlabVertex& s, const SlabVertex& t) {
-    return std::tuple(s.u, s.v, -s.height) < std::tuple(t.u, t.v, -t.height);
-  });
-  const auto last = std::unique(found.begin(), found.end(),
-                                [](const SlabVertex& s, const SlabVertex& t) { return s.u == t.u && s.v == t.v; });
-  const int n = static_cast<int>(last - found.begin());
-
-  out.clear();
-  if (n <= 2) {
-    for (int k = 0; k < n; ++k) out.push(tables.vertices[at(found[k].index)]);
-    return;
-  }
-  std::array<int, 2 * Feature::capacity + 1> chain;
-  int count = 0;
-  const auto extend = [&](int k, int base) {
-    while (count >= base + 2 && turn(found[chain[at(count - 2)]], found[chain[at(count - 1)]], found[k]) <= 0) --count;
-    chain[at(count++)] = k;
-  };
-  for (int k = 0; k < n; ++k) extend(k, 0);
-  const int lower = count - 1;
-  for (int k = n - 2; k >= 0; --k) extend(k, lower);
-  for (int k = 0; k + 1 < count; ++k) out.push(tables.vertices[at(found[chain[at(k)]].index)]);
 }
 
 }  // namespace
@@ -140,16 +74,10 @@ void Polyhedron::supportFeature(const Vec3& d, double slab, Feature& out) const 
   const std::int32_t highest = topology.supportVertex(d, climbStart(d));
   // rounding must not part the corners of one face: the slab is widened by a few units of the last place
   const double floor = d.dot(topology.vertices[at(highest)]) - slab - tolerance::onSurface * boundingRadius();
-  SlabVertices found;
+  SlabPoints found;
   collectSlab(topology, d, floor, highest, found);
 
-  const Vec3 u = perpendicular(d);
-  const Vec3 v = d.cross(u);
-  for (SlabVertex& s : found) {
-    s.u = u.dot(topology.vertices[at(s.index)]);
-    s.v = v.dot(topology.vertices[at(s.index)]);
-  }
-  hullInPlane(topology, found, out);
+  hullSeenAlong(d, found, out);
 }
 
 Vec3 Polyhedron::supportFace(const Vec3& d, double minCosine, Feature& out) const {
