@@ -11,46 +11,92 @@
 
 namespace granular {
 
-struct Material {
-  std::string name;
-  double density = 2500;  ///< kg/m^3
-};
-
 /// All shapes of a run; bodies refer to them by index.
 using ShapeTable = std::vector<std::shared_ptr<const Shape>>;
 
+enum class BodyState : std::uint8_t { moving, frozen, asleep };
+
+/// How a body enters the simulation.
+struct NewBody {
+  std::int64_t id = 0;
+  std::int32_t shapeIndex = 0;
+  std::int32_t material = 0;
+  double density = 2500;            ///< kg/m^3
+  Pose pose;                        ///< at t_n
+  Vec3 velocity = Vec3::Zero();     ///< m/s, at t_n
+  Vec3 spin = Vec3::Zero();         ///< rad/s, world axes, at t_n
+};
+
 struct Bodies {
   // Hot: state, read and written each step.
-  std::vector<Vec3> x;          ///< position at t_n, m
-  std::vector<Quat> q;          ///< orientation at t_n, body to world
-  std::vector<Vec3> v;          ///< velocity at t_n (predicted), m/s
-  std::vector<Vec3> w;          ///< angular velocity at t_n (predicted), world axes, rad/s
-  std::vector<Vec3> vHalf;      ///< velocity at t_{n-1/2}, later t_{n+1/2}
-  std::vector<Quat> qHalf;      ///< orientation at the half step
-  std::vector<Vec3> wHalf;      ///< angular velocity at the half step, body axes
-  std::vector<Vec3> alpha;      ///< angular acceleration of the last step, body axes
-  std::vector<Vec3> acceleration;  ///< of the last step, world axes
-  std::vector<Frame> frame;     ///< x and the matrix of q, for the kernels
-  std::vector<Vec3> force, torque;  ///< gathered, world axes, torque about the centre of mass
+  std::vector<Vec3> x;             ///< position at t_n, m
+  std::vector<Quat> q;             ///< orientation at t_n, body to world
+  std::vector<Vec3> v;             ///< velocity at t_n (predicted), m/s
+  std::vector<Vec3> w;             ///< angular velocity at t_n (predicted), world axes, rad/s
+  std::vector<Vec3> vHalf;         ///< velocity at the half step, m/s
+  std::vector<Vec3> wHalf;         ///< angular velocity at the half step, body axes, rad/s
+  std::vector<Quat> qHalf;         ///< orientation at the half step
+  std::vector<Vec3> spinHalf;      ///< angular velocity at the half step, world axes, rad/s (for the spring increments)
+  std::vector<Vec3> acceleration;  ///< of the last step, world axes, m/s^2
+  std::vector<Vec3> alpha;         ///< angular acceleration of the last step, body axes, rad/s^2
+  std::vector<Frame> frame;        ///< x and the matrix of q, for the kernels
+  std::vector<Vec3> force, torque; ///< gathered, world axes; torque about the centre of mass
+  std::vector<double> travel;      ///< path length of the fastest surface point so far (a bound), m
 
-  // Properties.
-  std::vector<double> inverseMass;    ///< 0: fixed
-  std::vector<Vec3> inverseInertia;   ///< body axes; 0: fixed
-  std::vector<Vec3> inertia;          ///< principal, kg m^2
-  std::vector<double> mass;
-  std::vector<double> radiusRatio;    ///< <r^2>/<I> of S 13, 1/kg
-  std::vector<double> boundingRadius; ///< m
+  // Properties; inverses are 0 for bodies that do not move.
+  std::vector<double> mass, inverseMass;     ///< kg, 1/kg
+  std::vector<Vec3> inertia, inverseInertia; ///< principal, body axes, kg m^2
+  std::vector<double> radiusRatio;           ///< <r^2>/<I> of S 13, 1/kg
+  std::vector<double> boundingRadius;        ///< m
   std::vector<const Shape*> shape;
   std::vector<std::int32_t> shapeIndex, material;
 
   // Bookkeeping.
-  std::vector<std::int64_t> id;
-  std::vector<std::uint8_t> state;    ///< BodyState
-  std::vector<double> travel;         ///< bound on the motion of any surface point since the last search, m
+  std::vector<std::int64_t> id;    ///< stable, unique
+  std::vector<BodyState> state;
 
   std::size_t size() const { return x.size(); }
-};
+  bool moves(std::size_t i) const { return state[i] == BodyState::moving; }
 
-enum class BodyState : std::uint8_t { moving, frozen, asleep };
+  /// Appends a body; returns its slot. The half steps are started by the integrator.
+  std::size_t add(const NewBody& body, const Shape& bodyShape);
+
+  /// Takes a body out of the motion: no velocity, infinite mass, until release() gives them back.
+  void hold(std::size_t i, BodyState as);
+  void release(std::size_t i);
+
+  /// Removes the slots marked in `gone`, keeping the order of the others.
+  void remove(const std::vector<bool>& gone);
+
+  /// Calls visit(name, column) for every array of state that a checkpoint must hold.
+  template <class Visitor>
+  void visitState(Visitor&& visit) {
+    visit("x", x);
+    visit("q", q);
+    visit("v", v);
+    visit("w", w);
+    visit("v_half", vHalf);
+    visit("w_half", wHalf);
+    visit("q_half", qHalf);
+    visit("spin_half", spinHalf);
+    visit("acceleration", acceleration);
+    visit("alpha", alpha);
+    visit("force", force);
+    visit("torque", torque);
+    visit("travel", travel);
+    visit("mass", mass);
+    visit("inverse_mass", inverseMass);
+    visit("inertia", inertia);
+    visit("inverse_inertia", inverseInertia);
+    visit("radius_ratio", radiusRatio);
+    visit("shape_index", shapeIndex);
+    visit("material", material);
+    visit("id", id);
+    visit("state", state);
+  }
+
+  /// Rebuilds what follows from the state: frames, shape pointers, bounding radii.
+  void restoreDerived(const ShapeTable& shapes);
+};
 
 }  // namespace granular

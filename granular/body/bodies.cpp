@@ -1,0 +1,82 @@
+#include "granular/body/bodies.h"
+
+namespace granular {
+
+std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape) {
+  const MassProperties& unit = bodyShape.massProperties();
+  x.push_back(body.pose.x);
+  q.push_back(body.pose.q.normalized());
+  v.push_back(body.velocity);
+  w.push_back(body.spin);
+  vHalf.push_back(body.velocity);
+  wHalf.push_back(q.back().conjugate() * body.spin);
+  qHalf.push_back(q.back());
+  spinHalf.push_back(body.spin);
+  acceleration.push_back(Vec3::Zero());
+  alpha.push_back(Vec3::Zero());
+  frame.emplace_back(Pose{x.back(), q.back()});
+  force.push_back(Vec3::Zero());
+  torque.push_back(Vec3::Zero());
+  travel.push_back(0);
+
+  mass.push_back(body.density * unit.volume);
+  inverseMass.push_back(1 / mass.back());
+  inertia.push_back(body.density * unit.inertia);
+  inverseInertia.push_back(inertia.back().cwiseInverse());
+  // S 13 with its averages over the surface: <r^2>/<I>, <I> the mean principal moment.
+  radiusRatio.push_back(unit.meanSquareRadius / inertia.back().mean());
+  boundingRadius.push_back(bodyShape.boundingRadius());
+  shape.push_back(&bodyShape);
+  shapeIndex.push_back(body.shapeIndex);
+  material.push_back(body.material);
+  id.push_back(body.id);
+  state.push_back(BodyState::moving);
+  return size() - 1;
+}
+
+void Bodies::hold(std::size_t i, BodyState as) {
+  state[i] = as;
+  v[i] = w[i] = vHalf[i] = wHalf[i] = spinHalf[i] = acceleration[i] = alpha[i] = Vec3::Zero();
+  qHalf[i] = q[i];
+  // A sleeping body stays as light as it is: its neighbours must feel the same contact as before.
+  if (as == BodyState::frozen) {
+    inverseMass[i] = 0;
+    inverseInertia[i] = Vec3::Zero();
+    radiusRatio[i] = 0;
+  }
+}
+
+void Bodies::release(std::size_t i) {
+  state[i] = BodyState::moving;
+  inverseMass[i] = 1 / mass[i];
+  inverseInertia[i] = inertia[i].cwiseInverse();
+  radiusRatio[i] = shape[i]->massProperties().meanSquareRadius / inertia[i].mean();
+}
+
+void Bodies::remove(const std::vector<bool>& gone) {
+  const auto compact = [&](auto& column) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < gone.size(); ++i) {
+      if (!gone[i]) column[kept++] = column[i];
+    }
+    column.resize(kept);
+  };
+  visitState([&](const char*, auto& column) { compact(column); });
+  compact(frame);
+  compact(boundingRadius);
+  compact(shape);
+}
+
+void Bodies::restoreDerived(const ShapeTable& shapes) {
+  const std::size_t n = x.size();
+  frame.resize(n);
+  boundingRadius.resize(n);
+  shape.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    shape[i] = shapes[static_cast<std::size_t>(shapeIndex[i])].get();
+    frame[i] = Frame(Pose{x[i], q[i]});
+    boundingRadius[i] = shape[i]->boundingRadius();
+  }
+}
+
+}  // namespace granular

@@ -1,0 +1,25 @@
+// One contact of the present step: what was found, where it acts, what came of it.
+#pragma once
+
+#include <cstdint>
+
+#include "granular/pair/contact_patch.h"
+#include "granular/pair/history.h"
+#include "granular/pair/touch.h"
+
+namespace granular {
+
+struct Contact {
+  std::int32_t pair = -1;  ///< index in PairList::pairs, or in wallPairs for walls
+  std::int32_t a = -1, b = -1;  ///< body slots; b = -1 - wall for walls
+  std::int32_t spot = 0;  ///< which contact of the pair
+  double share = 1;       ///< of the stiffness, among the spots of one face
+  Vec3 shift;             ///< B's image minus its stored position, m
+  Touch touch;
+  ContactPatch patch;
+  ContactForce force;
+  bool held = false;      ///< of two bodies at rest: kept from the step in which they came to rest
+  Vec3 torqueA, torqueB;  ///< about either centre of mass, N m
+};
+
+}  // namespace granular

@@ -1,0 +1,70 @@
+// The pairs whose bounds are near: light entries in key order, and the heavier memory of each pair in stable slots, so
+// that a new search moves only the entries. (design 2.5)
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "granular/pair/contact.h"
+#include "granular/pair/history.h"
+#include "granular/pair/warm_cache.h"
+
+namespace granular {
+
+/// How many periods B's image is away from its stored position.
+using Image = std::array<std::int16_t, 3>;
+
+/// Two bodies whose grown bounds overlap; a has the lower id. Sorted by (id of a, id of b, image).
+struct Pair {
+  std::int32_t a, b;    ///< slots in Bodies
+  std::int32_t slot;    ///< in PairMemory
+  Image image;
+  /// The pair cannot touch before travel[a] + travel[b] reaches this, m.
+  double quietUntil;
+};
+
+/// History of one contact among several of a pair: walls and the `manifold` rule.
+struct SpotHistory {
+  std::int32_t spot = 0;
+  ContactHistory history;
+};
+
+/// A body near a wall. Sorted by (id of body, wall).
+struct WallPair {
+  std::int32_t body, wall;
+  double quietUntil;                ///< as for Pair, with the wall's travel
+  std::vector<SpotHistory> spots;   ///< of the contacts of the last step, by spot
+  std::vector<Contact> held;        ///< the contacts of a body at rest
+};
+
+/// Memory of pairs, one slot each; freed slots are used again.
+struct PairMemory {
+  std::vector<WarmCache> cache;
+  std::vector<ContactHistory> history;
+  std::vector<Contact> held;  ///< the last contact of a pair at rest (a < 0: none); empty unless bodies sleep
+  std::vector<std::int32_t> free;
+
+  std::int32_t take() {
+    if (free.empty()) {
+      cache.emplace_back();
+      history.emplace_back();
+      return static_cast<std::int32_t>(cache.size()) - 1;
+    }
+    const std::int32_t slot = free.back();
+    free.pop_back();
+    cache[static_cast<std::size_t>(slot)] = WarmCache{};
+    history[static_cast<std::size_t>(slot)] = ContactHistory{};
+    if (static_cast<std::size_t>(slot) < held.size()) held[static_cast<std::size_t>(slot)].a = -1;
+    return slot;
+  }
+  void give(std::int32_t slot) { free.push_back(slot); }
+};
+
+struct PairList {
+  std::vector<Pair> pairs;
+  PairMemory memory;
+  std::vector<WallPair> wallPairs;
+};
+
+}  // namespace granular

@@ -1,0 +1,30 @@
+// The broad phase: which bounds overlap? Behind one interface: Bullet's dynamic bounding-volume trees, and every pair
+// against every other as the oracle.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "granular/core/math.h"
+
+namespace granular {
+
+class BroadPhase {
+ public:
+  virtual ~BroadPhase() = default;
+  /// Puts the bounds of proxy k (0, 1, 2, ...) at box, m; a new k must be the next number.
+  virtual void place(std::size_t k, const Aabb& box) = 0;
+  /// Forgets all proxies.
+  virtual void clear() = 0;
+  /// All pairs (k < l) whose boxes overlap, boundaries included, in no particular order. Exact: what the tree returns
+  /// depends on its history and its margins, so each pair is tested against the boxes as given.
+  virtual void collect(std::vector<std::array<std::int32_t, 2>>& out) = 0;
+};
+
+/// Bullet's btDbvtBroadphase; lengths are divided by `unit` (m) first, because its margin of .05 is absolute.
+std::unique_ptr<BroadPhase> makeBulletBroadPhase(double unit);
+std::unique_ptr<BroadPhase> makeBruteForceBroadPhase();
+
+}  // namespace granular

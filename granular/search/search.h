@@ -1,0 +1,72 @@
+// Verlet lists: which pairs may touch before any surface has used up its share of the skin. (design 2.4, first row)
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "granular/body/bodies.h"
+#include "granular/pair/pair_list.h"
+#include "granular/search/broad_phase.h"
+
+namespace granular {
+
+/// Periods of the domain along x, y, z, m; 0 where it is not periodic.
+struct Periods {
+  Vec3 length = Vec3::Zero();
+  Vec3 origin = Vec3::Zero();
+  bool any() const { return (length.array() > 0).any(); }
+  /// How far the image lies from the stored position, m.
+  Vec3 shift(const Image& image) const {
+    return {image[0] * length.x(), image[1] * length.y(), image[2] * length.z()};
+  }
+};
+
+struct SearchOptions {
+  double skin = 0.1;          ///< bounds grow by this times the body's equal-volume radius, plus a share for speed
+  double lookAhead = 30;      ///< and by the way a body makes in this many steps
+  bool everyStep = false;     ///< search anew each step: the oracle of the skin
+  bool bruteForce = false;    ///< every pair against every other: the oracle of the broad phase
+  Periods periods;
+};
+
+/// Keeps the broad phase and the pair list up to date.
+class Search {
+ public:
+  explicit Search(const SearchOptions& options) : settings(options) {}
+
+  /// True if some surface may have left its grown bounds since the last refresh, or bodies came or went.
+  bool isDue(const Bodies& bodies, double wallTravel) const;
+
+  /// Brings the pairs of bodies up to date. Memory of surviving pairs is kept; pairs of two bodies that cannot move are left out.
+  void refreshPairs(const Bodies& bodies, double dt, double wallTravel, PairList& list);
+
+  /// The margin by which body i's bounds are grown, m.
+  double margin(std::size_t i) const { return margins[i]; }
+
+  /// Forgets the bounds: to be called when bodies were removed, reordered or moved by hand.
+  void invalidate() { margins.clear(); }
+
+  std::uint64_t refreshes = 0;
+
+ private:
+  void placeBounds(const Bodies& bodies, double dt, double wallTravel);
+  void placeGhosts(const Bodies& bodies);
+  void mergePairs(const Bodies& bodies, PairList& list);
+
+  struct Ghost {
+    std::int32_t body;
+    Image image;  // of the ghost against the wrapped body
+  };
+
+  SearchOptions settings;
+  std::unique_ptr<BroadPhase> broadPhase;
+  std::vector<Aabb> boxes;           // grown bounds as placed
+  std::vector<double> margins;       // by which they were grown
+  std::vector<double> travelAtPlace; // travel of the body (and the walls) when they were placed
+  std::vector<Image> wraps;          // periods that bring a body into the domain
+  std::vector<Ghost> ghosts;
+  std::vector<std::array<std::int32_t, 2>> candidates;
+  std::vector<Pair> found;
+};
+
+}  // namespace granular

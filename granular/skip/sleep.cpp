@@ -1,0 +1,42 @@
+#include "granular/skip/sleep.h"
+
+namespace granular {
+
+void updateSleep(const SleepOptions& options, double gravity, double dt, Bodies& bodies, SleepState& state,
+                 std::vector<std::int32_t>& fallen) {
+  const std::size_t n = bodies.size();
+  state.calm.resize(n, 0);
+  state.force.resize(n, Vec3::Zero());
+  state.torque.resize(n, Vec3::Zero());
+  for (std::size_t i = 0; i < n; ++i) {
+    if (bodies.state[i] == BodyState::frozen) continue;
+    const double weight = bodies.mass[i] * gravity;
+    const double size = bodies.shape[i]->size();
+    if (bodies.state[i] == BodyState::asleep) {
+      const double bound = options.wake * weight;
+      if ((bodies.force[i] - state.force[i]).squaredNorm() <= bound * bound &&
+          (bodies.torque[i] - state.torque[i]).squaredNorm() <= bound * bound * size * size) {
+        continue;
+      }
+      bodies.release(i);
+      state.calm[i] = 0;
+      ++state.woken;
+      continue;
+    }
+    const Vec3 spin = bodies.frame[i].unrotate(bodies.w[i]);
+    const double energy = 0.5 * (bodies.mass[i] * bodies.v[i].squaredNorm() + spin.dot(bodies.inertia[i].cwiseProduct(spin)));
+    const double balance = options.balance * weight;
+    const bool calm = energy <= options.energy * weight * 2 * size && bodies.force[i].squaredNorm() <= balance * balance &&
+                      bodies.torque[i].squaredNorm() <= balance * balance * size * size;
+    state.calm[i] = calm ? state.calm[i] + dt : 0;
+    if (state.calm[i] < options.time) continue;
+    state.force[i] = bodies.force[i];
+    state.torque[i] = bodies.torque[i];
+    state.energyLetGo += energy;
+    ++state.fallen;
+    bodies.hold(i, BodyState::asleep);
+    fallen.push_back(static_cast<std::int32_t>(i));
+  }
+}
+
+}  // namespace granular

@@ -1,0 +1,367 @@
+// Stages of a step that make the contacts: pairs, touches, points, forces.
+#include <algorithm>
+
+#include "granular/world/stages.h"
+
+namespace granular {
+namespace {
+
+std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+
+/// Half-open range of one chunk's items.
+struct Range {
+  std::size_t first, last;
+};
+Range chunkRange(std::size_t chunk, std::size_t count) {
+  const std::size_t first = chunk * World::chunkSize;
+  return {first, std::min(first + World::chunkSize, count)};
+}
+std::size_t chunkCount(std::size_t items) { return (items + World::chunkSize - 1) / World::chunkSize; }
+
+/// Bodies near walls, in the order of bodies; spots of surviving pairs are kept.
+void refreshWallPairs(World& world) {
+  const Bodies& bodies = world.bodies;
+  std::vector<WallPair> found;
+  std::size_t old = 0;
+  auto& list = world.pairs.wallPairs;
+  const auto before = [](const WallPair& p, std::int32_t body, std::int32_t wall) {
+    return p.body != body ? p.body < body : p.wall < wall;
+  };
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies.state[i] == BodyState::frozen) continue;
+    for (std::size_t k = 0; k < world.walls.size(); ++k) {
+      const double reach = bodies.boundingRadius[i] + world.search.margin(i);
+      if (world.walls[k]->clearance(bodies.x[i], reach) >= 0) continue;
+      const auto body = static_cast<std::int32_t>(i);
+      const auto wall = static_cast<std::int32_t>(k);
+      while (old < list.size() && before(list[old], body, wall)) ++old;
+      if (old < list.size() && list[old].body == body && list[old].wall == wall) {
+        found.push_back(std::move(list[old++]));
+      } else {
+        found.push_back({body, wall, -infinity, {}});
+      }
+    }
+  }
+  list.swap(found);
+}
+
+/// For each body the pairs it is part of, in the order of the lists.
+void listIncidence(World& world) {
+  const std::size_t n = world.bodies.size();
+  auto& begin = world.incidenceBegin;
+  begin.assign(n + 1, 0);
+  for (const Pair& pair : world.pairs.pairs) {
+    ++begin[at(pair.a) + 1];
+    ++begin[at(pair.b) + 1];
+  }
+  for (const WallPair& pair : world.pairs.wallPairs) ++begin[at(pair.body) + 1];
+  for (std::size_t i = 0; i < n; ++i) begin[i + 1] += begin[i];
+  world.incidence.resize(at(begin[n]));
+  std::vector<std::int32_t> next(begin.begin(), begin.end() - 1);
+  std::int32_t index = 0;
+  for (const Pair& pair : world.pairs.pairs) {
+    world.incidence[at(next[at(pair.a)]++)] = {index, false};
+    world.incidence[at(next[at(pair.b)]++)] = {index, true};
+    ++index;
+  }
+  index = 0;
+  for (const WallPair& pair : world.pairs.wallPairs) {
+    world.incidence[at(next[at(pair.body)]++)] = {-1 - index, false};
+    ++index;
+  }
+}
+
+/// Starts a chunk of contacts afresh, keeping its memory.
+void startChunk(World::Chunk& chunk) {
+  chunk.contacts.clear();
+  chunk.counts = NarrowCounts{};
+  chunk.deepest = 0;
+  chunk.deepestContact = -1;
+}
+
+void noteDepth(World::Chunk& chunk, double overlap, double size) {
+  if (overlap > chunk.deepest * size) {
+    chunk.deepest = overlap / size;
+    chunk.deepestContact = static_cast<std::int32_t>(chunk.contacts.size()) - 1;
+  }
+}
+
+/// The contact of two bodies at rest goes on as it was.
+void pushHeld(const Contact& contact, std::int32_t index, World::Chunk& chunk) {
+  chunk.contacts.push_back(contact);
+  chunk.contacts.back().pair = index;
+}
+
+/// Looks at one pair of bodies; appends its contact if it touches.
+void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
+  const Bodies& bodies = world.bodies;
+  Pair& pair = world.pairs.pairs[at(index)];
+  const std::size_t a = at(pair.a);
+  const std::size_t b = at(pair.b);
+  std::vector<Contact>& held = world.pairs.memory.held;
+  if (!bodies.moves(a) && !bodies.moves(b)) {
+    if (at(pair.slot) < held.size() && held[at(pair.slot)].a >= 0) pushHeld(held[at(pair.slot)], index, chunk);
+    return;
+  }
+  if (at(pair.slot) < held.size()) held[at(pair.slot)].a = -1;
+  const double travel = bodies.travel[a] + bodies.travel[b];
+  if (world.options.skips.separation && travel < pair.quietUntil) return;
+
+  const Vec3 shift = world.options.periods.shift(pair.image);
+  Frame frameB = bodies.frame[b];
+  frameB.x += shift;
+  WarmCache& cache = world.pairs.memory.cache[at(pair.slot)];
+  Touch touch;
+  if (!findTouch(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB, !world.options.skips.feature, cache,
+                 chunk.counts, touch)) {
+    pair.quietUntil = travel + cache.budget;
+    world.pairs.memory.history[at(pair.slot)] = ContactHistory{};
+    return;
+  }
+  Contact& contact = chunk.contacts.emplace_back();
+  contact.pair = index;
+  contact.a = pair.a;
+  contact.b = pair.b;
+  contact.shift = shift;
+  contact.touch = touch;
+  noteDepth(chunk, touch.overlap, std::min(bodies.shape[a]->size(), bodies.shape[b]->size()));
+}
+
+/// Looks at one body near a wall; appends its contacts in the order of their spots.
+void lookAtWallPair(World& world, std::int32_t index, World::Chunk& chunk) {
+  const Bodies& bodies = world.bodies;
+  WallPair& pair = world.pairs.wallPairs[at(index)];
+  const std::size_t i = at(pair.body);
+  if (!bodies.moves(i)) {
+    for (const Contact& contact : pair.held) pushHeld(contact, index, chunk);
+    return;
+  }
+  pair.held.clear();
+  const double travel = bodies.travel[i] + world.wallTravel;
+  if (world.options.skips.separation && travel < pair.quietUntil) return;
+
+  const Wall& wall = *world.walls[at(pair.wall)];
+  chunk.wallTouches.clear();
+  wall.touch(world.options.rule, *bodies.shape[i], bodies.frame[i], chunk.wallTouches);
+  if (chunk.wallTouches.empty()) {
+    pair.quietUntil = travel + std::max(0.0, wall.clearance(bodies.x[i], bodies.boundingRadius[i]));
+    pair.spots.clear();
+    return;
+  }
+  for (const WallTouch& found : chunk.wallTouches) {
+    Contact& contact = chunk.contacts.emplace_back();
+    contact.pair = index;
+    contact.a = pair.body;
+    contact.b = -1 - pair.wall;
+    contact.spot = found.spot;
+    contact.share = found.share;
+    contact.shift = Vec3::Zero();
+    contact.touch.normal = found.normal;
+    contact.touch.overlap = found.overlap;
+    contact.touch.onA = found.patch.point + 0.5 * found.overlap * found.normal;
+    contact.touch.onB = found.patch.point - 0.5 * found.overlap * found.normal;
+    contact.patch = found.patch;
+    noteDepth(chunk, found.overlap, bodies.shape[i]->size());
+  }
+}
+
+/// Keeps the history of the spots that still touch, in the order of the contacts; new spots start at zero.
+void matchSpots(std::vector<SpotHistory>& spots, const Contact* contacts, std::size_t count) {
+  bool same = spots.size() == count;
+  for (std::size_t k = 0; k < count && same; ++k) same = spots[k].spot == contacts[k].spot;
+  if (same) return;
+  std::vector<SpotHistory> matched(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    matched[k].spot = contacts[k].spot;
+    for (const SpotHistory& old : spots) {
+      if (old.spot == contacts[k].spot) matched[k] = old;
+    }
+  }
+  spots.swap(matched);
+}
+
+}  // namespace
+
+void refreshPairs(double dt, World& world) {
+  if (!world.search.isDue(world.bodies, world.wallTravel)) return;
+  world.search.refreshPairs(world.bodies, dt, world.wallTravel, world.pairs);
+  refreshWallPairs(world);
+  listIncidence(world);
+  world.wallChunkBegin = chunkCount(world.pairs.pairs.size());
+  world.chunks.resize(world.wallChunkBegin + chunkCount(world.pairs.wallPairs.size()));
+  world.contactsOfPair.resize(world.pairs.pairs.size() + world.pairs.wallPairs.size());
+}
+
+void findContacts(World& world) {
+  const std::size_t pairCount = world.pairs.pairs.size();
+  const auto chunks = static_cast<std::int64_t>(world.chunks.size());
+#pragma omp parallel for schedule(dynamic, 4)
+  for (std::int64_t c = 0; c < chunks; ++c) {
+    World::Chunk& chunk = world.chunks[static_cast<std::size_t>(c)];
+    startChunk(chunk);
+    const bool atWalls = static_cast<std::size_t>(c) >= world.wallChunkBegin;
+    const Range range = atWalls ? chunkRange(static_cast<std::size_t>(c) - world.wallChunkBegin, world.pairs.wallPairs.size())
+                                : chunkRange(static_cast<std::size_t>(c), pairCount);
+    const std::size_t rangeOffset = atWalls ? pairCount : 0;
+    for (std::size_t p = range.first; p < range.last; ++p) {
+      const auto first = static_cast<std::int32_t>(chunk.contacts.size());
+      if (atWalls) {
+        lookAtWallPair(world, static_cast<std::int32_t>(p), chunk);
+      } else {
+        lookAtPair(world, static_cast<std::int32_t>(p), chunk);
+      }
+      world.contactsOfPair[rangeOffset + p] = {first, static_cast<std::int32_t>(chunk.contacts.size()) - first};
+    }
+  }
+}
+
+void placeContactPoints(World& world) {
+  const Bodies& bodies = world.bodies;
+  const auto chunks = static_cast<std::int64_t>(world.wallChunkBegin);
+#pragma omp parallel for schedule(dynamic, 4)
+  for (std::int64_t c = 0; c < chunks; ++c) {
+    for (Contact& contact : world.chunks[static_cast<std::size_t>(c)].contacts) {
+      if (contact.held) continue;
+      const std::size_t a = at(contact.a);
+      const std::size_t b = at(contact.b);
+      Frame frameB = bodies.frame[b];
+      frameB.x += contact.shift;
+      placeContact(world.options.rule, *bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB, contact.touch,
+                   contact.patch);
+    }
+  }
+}
+
+void applyForceLaws(double dt, World& world) {
+  const Bodies& bodies = world.bodies;
+  const Law law = lawFunction(world.options.law);
+  const bool localMass = world.options.lawOptions.localMass;
+  const auto bodyAt = [&](std::size_t i, const Vec3& arm) {
+    ContactBody body;
+    body.inverseMass = bodies.inverseMass[i];
+    body.radiusRatio = bodies.radiusRatio[i];
+    body.arm = arm;
+    if (localMass) {
+      const Mat3& R = bodies.frame[i].R;
+      body.inverseInertia = R * bodies.inverseInertia[i].asDiagonal() * R.transpose();
+    }
+    return body;
+  };
+  const auto chunks = static_cast<std::int64_t>(world.chunks.size());
+#pragma omp parallel for schedule(dynamic, 4)
+  for (std::int64_t c = 0; c < chunks; ++c) {
+    World::Chunk& chunk = world.chunks[static_cast<std::size_t>(c)];
+    const bool atWalls = static_cast<std::size_t>(c) >= world.wallChunkBegin;
+    for (std::size_t k = 0; k < chunk.contacts.size(); ++k) {
+      Contact& contact = chunk.contacts[k];
+      if (contact.held) continue;
+      const std::size_t a = at(contact.a);
+      const Vec3& point = contact.patch.point;
+
+      // Geometry and velocities at t_{n+1}; slip from the half step.
+      ContactMotion motion;
+      const ContactBody bodyA = bodyAt(a, point - bodies.x[a]);
+      ContactBody bodyB;
+      Vec3 velocityB, slipVelocityB, spinB, spinHalfB;
+      std::int32_t materialB = 0;
+      if (atWalls) {
+        const Wall& wall = *world.walls[at(-1 - contact.b)];
+        velocityB = slipVelocityB = wall.motion.velocityAt(point);
+        spinB = spinHalfB = wall.motion.spin;
+        materialB = wall.material;
+      } else {
+        const std::size_t b = at(contact.b);
+        bodyB = bodyAt(b, point - bodies.x[b] - contact.shift);
+        velocityB = bodies.v[b] + bodies.w[b].cross(bodyB.arm);
+        slipVelocityB = bodies.vHalf[b] + bodies.spinHalf[b].cross(bodyB.arm);
+        spinB = bodies.w[b];
+        spinHalfB = bodies.spinHalf[b];
+        materialB = bodies.material[b];
+      }
+      motion.normal = contact.touch.normal;
+      motion.overlap = contact.touch.overlap;
+      motion.velocity = bodies.v[a] + bodies.w[a].cross(bodyA.arm) - velocityB;
+      motion.slip = (bodies.vHalf[a] + bodies.spinHalf[a].cross(bodyA.arm) - slipVelocityB) * dt;
+      motion.spin = bodies.w[a] - spinB;
+      motion.meanSpin = 0.5 * (bodies.w[a] + spinB);
+      motion.share = contact.share;
+      motion.dt = dt;
+      motion.centreArm = contact.patch.centre - point;
+      motion.area = contact.patch.area;
+      motion.u = contact.patch.u;
+      motion.uu = contact.patch.uu;
+      motion.vv = contact.patch.vv;
+      motion.uv = contact.patch.uv;
+      motion.turn = (bodies.spinHalf[a] - spinHalfB) * dt;
+
+      // History of the contact.
+      ContactHistory* history = nullptr;
+      if (atWalls) {
+        auto& spots = world.pairs.wallPairs[at(contact.pair)].spots;
+        const auto& range = world.contactsOfPair[world.pairs.pairs.size() + at(contact.pair)];
+        const std::size_t index = k - at(range.first);
+        if (index == 0) matchSpots(spots, &contact, at(range.count));
+        history = &spots[index].history;
+      } else {
+        history = &world.pairs.memory.history[at(world.pairs.pairs[at(contact.pair)].slot)];
+      }
+
+      law(world.materials.constants(bodies.material[a], materialB), world.options.lawOptions, bodyA, bodyB, motion,
+          *history, contact.force);
+      contact.torqueA = bodyA.arm.cross(contact.force.force) + contact.force.couple;
+      contact.torqueB = -bodyB.arm.cross(contact.force.force) - contact.force.couple;
+    }
+  }
+}
+
+void holdContact(const Contact& contact, World& world) {
+  Contact kept = contact;
+  kept.held = true;
+  if (contact.b < 0) {
+    auto& held = world.pairs.wallPairs[at(contact.pair)].held;
+    for (const Contact& known : held) {
+      if (known.spot == contact.spot) return;
+    }
+    held.push_back(kept);
+    return;
+  }
+  auto& held = world.pairs.memory.held;
+  held.resize(world.pairs.memory.cache.size());
+  held[at(world.pairs.pairs[at(contact.pair)].slot)] = kept;
+}
+
+void gatherForces(World& world) {
+  Bodies& bodies = world.bodies;
+  const std::size_t pairCount = world.pairs.pairs.size();
+  const auto n = static_cast<std::int64_t>(bodies.size());
+#pragma omp parallel for schedule(static)
+  for (std::int64_t ii = 0; ii < n; ++ii) {
+    const auto i = static_cast<std::size_t>(ii);
+    if (bodies.state[i] == BodyState::frozen) continue;
+    Vec3 force = bodies.mass[i] * world.options.gravity;
+    Vec3 torque = Vec3::Zero();
+    for (std::int32_t e = world.incidenceBegin[i]; e < world.incidenceBegin[i + 1]; ++e) {
+      const World::Incidence& link = world.incidence[at(e)];
+      const bool atWall = link.pair < 0;
+      const std::size_t p = atWall ? at(-1 - link.pair) : at(link.pair);
+      const World::ContactRange& range = world.contactsOfPair[atWall ? pairCount + p : p];
+      if (range.count == 0) continue;
+      const std::size_t chunk = p / World::chunkSize + (atWall ? world.wallChunkBegin : 0);
+      for (std::int32_t k = range.first; k < range.first + range.count; ++k) {
+        const Contact& contact = world.chunks[chunk].contacts[at(k)];
+        force += link.isB ? -contact.force.force : contact.force.force;
+        torque += link.isB ? contact.torqueB : contact.torqueA;
+      }
+    }
+    bodies.force[i] = force;
+    bodies.torque[i] = torque;
+  }
+
+  // Walls are few: their sums run over all their contacts in order.
+  world.wallForces.assign(world.walls.size(), Vec3::Zero());
+  for (std::size_t c = world.wallChunkBegin; c < world.chunks.size(); ++c) {
+    for (const Contact& contact : world.chunks[c].contacts) world.wallForces[at(-1 - contact.b)] -= contact.force.force;
+  }
+}
+
+}  // namespace granular

@@ -1,0 +1,97 @@
+// Stages of a step that move bodies and walls, and the start of the half steps.
+#include "granular/integrate/seelen.h"
+#include "granular/integrate/spiral.h"
+#include "granular/world/stages.h"
+
+namespace granular {
+namespace {
+
+/// Predicts every moving body with one scheme; the scheme is a template argument so that its kernel is inlined.
+template <auto predictRotation>
+void predictBodies(double dt, Bodies& bodies) {
+  const auto n = static_cast<std::int64_t>(bodies.size());
+#pragma omp parallel for schedule(static)
+  for (std::int64_t ii = 0; ii < n; ++ii) {
+    const auto i = static_cast<std::size_t>(ii);
+    if (!bodies.moves(i)) continue;
+    // No surface point moves further than the centre does plus the turn of the outermost point.
+    const Vec3& spin = bodies.wHalf[i];
+    bodies.spinHalf[i] = bodies.qHalf[i] * spin;
+    predictTranslation(dt, bodies.vHalf[i], bodies.acceleration[i], bodies.x[i], bodies.v[i]);
+    predictRotation(dt, bodies.qHalf[i], spin, bodies.alpha[i], bodies.q[i], bodies.w[i]);
+    const double fastest = std::max(spin.norm(), bodies.w[i].norm());
+    bodies.travel[i] += dt * (bodies.vHalf[i].norm() + bodies.boundingRadius[i] * fastest);
+    bodies.frame[i] = Frame(bodies.q[i].toRotationMatrix(), bodies.x[i]);
+  }
+}
+
+template <auto advanceRotation>
+void advanceBodies(double dt, Bodies& bodies) {
+  const auto n = static_cast<std::int64_t>(bodies.size());
+#pragma omp parallel for schedule(static)
+  for (std::int64_t ii = 0; ii < n; ++ii) {
+    const auto i = static_cast<std::size_t>(ii);
+    if (!bodies.moves(i)) continue;
+    bodies.acceleration[i] = bodies.inverseMass[i] * bodies.force[i];
+    advanceTranslation(dt, bodies.acceleration[i], bodies.vHalf[i]);
+    advanceRotation(dt, bodies.inertia[i], bodies.inverseInertia[i], bodies.torque[i], bodies.q[i], bodies.w[i],
+                    {bodies.qHalf[i], bodies.wHalf[i], bodies.alpha[i]});
+  }
+}
+
+}  // namespace
+
+void moveWalls(double /*dt*/, World& /*world*/) {}
+
+void predict(double dt, const WorldOptions& options, Bodies& bodies) {
+  switch (options.integrator) {
+    case SchemeKind::seelen: return predictBodies<seelen::predictRotation>(dt, bodies);
+    case SchemeKind::spiral: return predictBodies<spiral::predictRotation>(dt, bodies);
+  }
+}
+
+void advance(double dt, const WorldOptions& options, Bodies& bodies) {
+  switch (options.integrator) {
+    case SchemeKind::seelen: return advanceBodies<seelen::advanceRotation>(dt, bodies);
+    case SchemeKind::spiral: return advanceBodies<spiral::advanceRotation>(dt, bodies);
+  }
+}
+
+void letSleep(double dt, World& world) {
+  if (!world.options.sleep.on) return;
+  std::vector<std::int32_t> fallen;
+  updateSleep(world.options.sleep, world.options.gravity.norm(), dt, world.bodies, world.sleep, fallen);
+  if (fallen.empty()) return;
+  // A contact between bodies that both rest keeps its force until one of them wakes.
+  for (std::size_t c = 0; c < world.chunks.size(); ++c) {
+    for (const Contact& contact : world.chunks[c].contacts) {
+      if (world.bodies.moves(static_cast<std::size_t>(contact.a))) continue;
+      if (contact.b >= 0 && world.bodies.moves(static_cast<std::size_t>(contact.b))) continue;
+      holdContact(contact, world);
+    }
+  }
+}
+
+void startHalfSteps(World& world, double dt, std::size_t first, bool withContacts) {
+  Bodies& bodies = world.bodies;
+  if (withContacts) {
+    refreshPairs(dt, world);
+    findContacts(world);
+    placeContactPoints(world);
+    applyForceLaws(0, world);  // no time passes: springs stay as they are
+    gatherForces(world);
+  }
+  const RotationScheme& scheme = rotationScheme(world.options.integrator);
+  for (std::size_t i = first; i < bodies.size(); ++i) {
+    if (!bodies.moves(i)) continue;
+    const Vec3 force = withContacts ? bodies.force[i] : Vec3(bodies.mass[i] * world.options.gravity);
+    const Vec3 torque = withContacts ? bodies.torque[i] : Vec3(Vec3::Zero());
+    bodies.acceleration[i] = bodies.inverseMass[i] * force;
+    startTranslation(dt, bodies.acceleration[i], bodies.v[i], bodies.vHalf[i]);
+    scheme.start(dt, bodies.inertia[i], bodies.inverseInertia[i], torque, bodies.q[i], bodies.w[i],
+                 {bodies.qHalf[i], bodies.wHalf[i], bodies.alpha[i]});
+    bodies.spinHalf[i] = bodies.qHalf[i] * bodies.wHalf[i];
+  }
+}
+
+}  // namespace granular

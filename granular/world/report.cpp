@@ -1,0 +1,33 @@
+#include "granular/world/report.h"
+
+#include <fmt/format.h>
+
+namespace granular {
+
+std::string_view stageName(Stage stage) {
+  constexpr std::array<std::string_view, stageCount> names{"walls", "predict", "search", "contacts", "points",
+                                                           "laws",  "gather",  "advance", "watch"};
+  return names[static_cast<std::size_t>(stage)];
+}
+
+std::string describe(const Trouble& trouble) {
+  const std::string who = trouble.bodyB >= 0      ? fmt::format("bodies {} and {}", trouble.bodyA, trouble.bodyB)
+                          : trouble.wall.empty() ? fmt::format("body {}", trouble.bodyA)
+                                                 : fmt::format("body {} and wall '{}'", trouble.bodyA, trouble.wall);
+  switch (trouble.kind) {
+    case Trouble::Kind::nonFinite:
+      return fmt::format("t = {:.6g} s: {}: position or velocity is not a finite number", trouble.time, who);
+    case Trouble::Kind::deepOverlap:
+      return fmt::format("t = {:.6g} s: {}: overlap is {:.1f} % of the size", trouble.time, who, 100 * trouble.value);
+    case Trouble::Kind::tooFast:
+      return fmt::format("t = {:.6g} s: {}: speed {:.4g} m/s is more than the time step resolves", trouble.time, who,
+                         trouble.value);
+    case Trouble::Kind::uncertified:
+      return fmt::format("t = {:.6g} s: {}: an overlap was used that no bound could certify", trouble.time, who);
+    case Trouble::Kind::escaped:
+      return fmt::format("t = {:.6g} s: {}: left the domain", trouble.time, who);
+  }
+  return {};
+}
+
+}  // namespace granular

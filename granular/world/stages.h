@@ -1,0 +1,32 @@
+// The stages of a step. Each reads what the one before it wrote; tests and benchmarks may call them one by one.
+#pragma once
+
+#include "granular/world/world.h"
+
+namespace granular {
+
+/// Puts moving walls where they are at t_{n+1}.
+void moveWalls(double dt, World& world);
+/// Positions, orientations and predicted velocities at t_{n+1} of every moving body.
+void predict(double dt, const WorldOptions& options, Bodies& bodies);
+/// Brings the pairs up to date when some surface may have left its grown bounds.
+void refreshPairs(double dt, World& world);
+/// Which pairs touch: normal and overlap of each contact, in the chunks.
+void findContacts(World& world);
+/// The contact-point rule: where each contact acts, and over what area.
+void placeContactPoints(World& world);
+/// Force and couple of each contact, and its history.
+void applyForceLaws(double dt, World& world);
+/// Sums forces and torques on each body in the order of its pairs, gravity first.
+void gatherForces(World& world);
+/// Half-step velocities and orientations from the forces at t_{n+1}.
+void advance(double dt, const WorldOptions& options, Bodies& bodies);
+/// Bodies that have come to rest fall asleep; sleepers whose forces changed wake. Nothing unless the scene asks for it.
+void letSleep(double dt, World& world);
+/// Counts and names trouble: states that are not finite, deep overlaps.
+void watch(World& world);
+
+/// Keeps a contact of two bodies at rest until one of them moves.
+void holdContact(const Contact& contact, World& world);
+
+}  // namespace granular

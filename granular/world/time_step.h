@@ -1,0 +1,33 @@
+// The stable time step, from the stiffest motion the contacts allow rather than from habit. (design 1.3)
+//
+// A contact with stiffness k and arm r gives a body of mass m and inertia I the rate k g, g = 1/m + (r x n).I^-1 (r x n);
+// a patch adds its rocking stiffness k <s^2>/I. Several contacts add up, and in the worst case the neighbours move in
+// antiphase: omega^2 <= 2 sum k g. With the velocity predicted from the half step, the damped oscillator of damping ratio z
+// is stable up to omega dt = 2 (sqrt(1 + 4 z^2) - 2 z): 2 undamped, .72 at z = .6, .40 at z = 1.2 (its amplification factor
+// reaches -1 there).
+#pragma once
+
+#include <string>
+
+#include "granular/world/world.h"
+
+namespace granular {
+
+struct TimeStepBound {
+  double bound = infinity;      ///< largest stable step, s
+  double contactTime = infinity;///< shortest S 14 contact time of any pair that may meet, s
+  std::string body;             ///< the body that decides, described
+  std::string explanation;      ///< one line for the user
+};
+
+/// Before a run: every shape and material present, with `contactsAssumed` contacts at once, one of them at the shape's
+/// worst place and the others at average places.
+TimeStepBound boundBeforeRun(const World& world, int contactsAssumed = 8);
+
+/// During a run: the bodies with the contacts they have now.
+TimeStepBound boundOfContacts(const World& world);
+
+/// Largest stable omega dt of a damped oscillator under the predicted velocity.
+double stableRange(double dampingRatio);
+
+}  // namespace granular

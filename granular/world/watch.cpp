@@ -1,0 +1,66 @@
+// The last stage of a step: what a user must be told. Counted always, named the first few times.
+#include "granular/world/stages.h"
+
+namespace granular {
+namespace {
+
+constexpr std::uint64_t namedPerKind = 20;
+
+void addTrouble(const Trouble& trouble, Report& report) {
+  std::uint64_t& count = report.troubleCounts[static_cast<std::size_t>(trouble.kind)];
+  if (count++ < namedPerKind) report.troubles.push_back(trouble);
+}
+
+/// Names both parties of a contact.
+Trouble troubleOf(const World& world, const Contact& contact, Trouble::Kind kind, double value) {
+  Trouble trouble{kind, world.time, world.bodies.id[static_cast<std::size_t>(contact.a)], -1, {}, value};
+  if (contact.b >= 0) {
+    trouble.bodyB = world.bodies.id[static_cast<std::size_t>(contact.b)];
+  } else {
+    trouble.wall = world.walls[static_cast<std::size_t>(-1 - contact.b)]->name;
+  }
+  return trouble;
+}
+
+}  // namespace
+
+void watch(World& world) {
+  Report& report = world.report;
+  const Bodies& bodies = world.bodies;
+
+  // Contacts: the certificate and the deepest overlap.
+  double deepest = 0;
+  const Contact* deepestContact = nullptr;
+  for (const World::Chunk& chunk : world.chunks) {
+    report.contactSteps += chunk.contacts.size();
+    report.narrow += chunk.counts;
+    if (chunk.deepestContact >= 0 && chunk.deepest > deepest) {
+      deepest = chunk.deepest;
+      deepestContact = &chunk.contacts[static_cast<std::size_t>(chunk.deepestContact)];
+    }
+  }
+  if (deepest > report.deepestOverlap) {
+    const Trouble names = troubleOf(world, *deepestContact, Trouble::Kind::deepOverlap, deepest);
+    report.deepestOverlap = deepest;
+    report.deepestTime = world.time;
+    report.deepestA = names.bodyA;
+    report.deepestB = names.bodyB;
+  }
+  if (deepest > world.options.deepOverlap) {
+    addTrouble(troubleOf(world, *deepestContact, Trouble::Kind::deepOverlap, deepest), report);
+  }
+
+  // Bodies: one comparison catches speeds that are too large and those that are not numbers.
+  const double limit = world.options.maxSpeed * world.options.maxSpeed;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!bodies.moves(i)) continue;
+    ++report.bodySteps;
+    const double square = bodies.v[i].squaredNorm() + bodies.w[i].squaredNorm() * bodies.boundingRadius[i] * bodies.boundingRadius[i];
+    if (square <= limit) continue;
+    const bool finite = std::isfinite(square);
+    addTrouble({finite ? Trouble::Kind::tooFast : Trouble::Kind::nonFinite, world.time, bodies.id[i], -1, {},
+                std::sqrt(square)}, report);
+  }
+}
+
+}  // namespace granular

@@ -1,0 +1,73 @@
+#include "granular/world/world.h"
+
+namespace granular {
+namespace {
+
+SearchOptions searchOptionsOf(const WorldOptions& options) {
+  SearchOptions search;
+  search.skin = options.skin;
+  search.everyStep = !options.skips.search;
+  search.bruteForce = options.bruteForce;
+  search.periods = options.periods;
+  return search;
+}
+
+}  // namespace
+
+World::World(const WorldOptions& chosen, MaterialTable table)
+    : options(chosen), materials(std::move(table)), search(searchOptionsOf(chosen)) {}
+
+std::int32_t World::addShape(std::shared_ptr<const Shape> shape) {
+  shapes.push_back(std::move(shape));
+  return static_cast<std::int32_t>(shapes.size()) - 1;
+}
+
+std::size_t World::addBody(NewBody body) {
+  body.id = nextId++;
+  return bodies.add(body, *shapes[static_cast<std::size_t>(body.shapeIndex)]);
+}
+
+void World::removeBodies(const std::vector<bool>& gone) {
+  // New slot numbers, -1 for the removed.
+  std::vector<std::int32_t> slotOf(gone.size());
+  std::int32_t kept = 0;
+  for (std::size_t i = 0; i < gone.size(); ++i) slotOf[i] = gone[i] ? -1 : kept++;
+
+  std::vector<Pair> left;
+  for (Pair pair : pairs.pairs) {
+    pair.a = slotOf[static_cast<std::size_t>(pair.a)];
+    pair.b = slotOf[static_cast<std::size_t>(pair.b)];
+    if (pair.a < 0 || pair.b < 0) {
+      pairs.memory.give(pair.slot);
+    } else {
+      left.push_back(pair);
+    }
+  }
+  pairs.pairs.swap(left);
+  std::vector<WallPair> leftAtWalls;
+  for (WallPair& pair : pairs.wallPairs) {
+    pair.body = slotOf[static_cast<std::size_t>(pair.body)];
+    if (pair.body >= 0) leftAtWalls.push_back(std::move(pair));
+  }
+  pairs.wallPairs.swap(leftAtWalls);
+  bodies.remove(gone);
+  chunks.clear();  // the contacts of the last step name the old slots
+  search.invalidate();
+}
+
+std::size_t World::contactCount() const {
+  std::size_t count = 0;
+  for (const Chunk& chunk : chunks) count += chunk.contacts.size();
+  return count;
+}
+
+double kineticEnergy(const Bodies& bodies) {
+  double sum = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Vec3 spin = bodies.frame[i].unrotate(bodies.w[i]);
+    sum += 0.5 * (bodies.mass[i] * bodies.v[i].squaredNorm() + spin.dot(bodies.inertia[i].cwiseProduct(spin)));
+  }
+  return sum;
+}
+
+}  // namespace granular

@@ -1,0 +1,117 @@
+// The world: everything that a step reads and writes. No process-wide state; several worlds may live side by side.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "granular/body/bodies.h"
+#include "granular/integrate/integrator.h"
+#include "granular/law/materials.h"
+#include "granular/narrow/narrow.h"
+#include "granular/pair/contact.h"
+#include "granular/pair/pair_list.h"
+#include "granular/search/search.h"
+#include "granular/skip/sleep.h"
+#include "granular/wall/wall.h"
+#include "granular/world/report.h"
+
+namespace granular {
+
+/// What a run may leave out; every switch changes speed and nothing else. (design 2.4)
+struct Skips {
+  bool search = true;      ///< broad phase only after half a skin of motion
+  bool separation = true;  ///< pairs proven apart by a gap are not looked at until it may be closed
+  bool feature = true;     ///< the last contact feature is verified instead of searched
+};
+
+struct WorldOptions {
+  Vec3 gravity{0, 0, -9.81};  ///< m/s^2
+  RuleOptions rule;
+  LawKind law = LawKind::linear;
+  LawOptions lawOptions;
+  SchemeKind integrator = SchemeKind::seelen;
+  Periods periods;
+  double skin = 0.1;          ///< of the search, in equal-volume radii
+  bool bruteForce = false;    ///< the oracle of the broad phase
+  Skips skips;
+  SleepOptions sleep;
+  double deepOverlap = 0.08;  ///< overlaps above this times the smaller size are reported as trouble
+  double maxSpeed = 1e5; ///< surface speeds above this are reported as trouble, m/s
+};
+
+struct World {
+  World(const WorldOptions& chosen, MaterialTable table);
+
+  WorldOptions options;
+  MaterialTable materials;
+  ShapeTable shapes;
+  Bodies bodies;
+  std::vector<std::unique_ptr<Wall>> walls;
+
+  double time = 0;          ///< of t_n, s
+  std::int64_t steps = 0;   ///< taken so far
+  double wallTravel = 0;    ///< bound on the way of any wall surface so far, m
+
+  PairList pairs;
+  Search search;
+  SleepState sleep;
+  std::int64_t nextId = 0;
+
+  /// Contacts of the present step, in chunks of consecutive pairs: each chunk is one thread's work, and the chunks do not
+  /// depend on the number of threads. Bodies' chunks first, then the walls'.
+  struct Chunk {
+    std::vector<Contact> contacts;
+    NarrowCounts counts;
+    double deepest = 0;               ///< largest overlap over size in this chunk
+    std::int32_t deepestContact = -1; ///< index in contacts
+    std::vector<WallTouch> wallTouches;
+  };
+  std::vector<Chunk> chunks;
+  std::size_t wallChunkBegin = 0;
+  static constexpr std::size_t chunkSize = 128;
+
+  /// Which contacts belong to a body, in the order of its pairs: fixed between searches.
+  struct Incidence {
+    std::int32_t pair;  ///< pair index, or for walls -1 - wall pair index
+    bool isB;
+  };
+  std::vector<std::int32_t> incidenceBegin;
+  std::vector<Incidence> incidence;
+  /// Contacts of a pair (body pairs, then wall pairs): first index in its chunk, and how many.
+  struct ContactRange {
+    std::int32_t first = 0, count = 0;
+  };
+  std::vector<ContactRange> contactsOfPair;
+
+  std::vector<Vec3> wallForces;  ///< on each wall, N, of the last step
+  Report report;
+
+  /// Adds a body at time t_n; its half steps start with the next step. Returns its slot.
+  std::size_t addBody(NewBody body);
+  /// Adds a shape; returns its index.
+  std::int32_t addShape(std::shared_ptr<const Shape> shape);
+  /// Removes the marked slots with their pairs.
+  void removeBodies(const std::vector<bool>& gone);
+
+  /// Calls visit(const Contact&) for every contact of the last step, in the order of the pairs.
+  template <class Visitor>
+  void visitContacts(Visitor&& visit) const {
+    for (const Chunk& chunk : chunks) {
+      for (const Contact& contact : chunk.contacts) visit(contact);
+    }
+  }
+  std::size_t contactCount() const;
+};
+
+/// Kinetic energy of all bodies at t_n, J.
+double kineticEnergy(const Bodies& bodies);
+
+/// One time step of dt seconds: from t_n to t_{n+1}.
+void step(World& world, double dt);
+
+/// Starts the half steps of the bodies from slot `first` on, from their state at t_n: for new bodies, and for all after a
+/// change of dt. withContacts: from the forces of the contacts at t_n; otherwise from gravity alone. No time passes.
+void startHalfSteps(World& world, double dt, std::size_t first, bool withContacts);
+
+}  // namespace granular
