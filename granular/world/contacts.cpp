@@ -38,7 +38,7 @@ void refreshWallPairs(World& world) {
       if (old < list.size() && list[old].body == body && list[old].wall == wall) {
         found.push_back(std::move(list[old++]));
       } else {
-        found.push_back({body, wall, -infinity, {}});
+        found.push_back({body, wall, -infinity, {}, {}});
       }
     }
   }
