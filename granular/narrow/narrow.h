@@ -23,9 +23,9 @@ struct NarrowCounts {
   NarrowCounts& operator+=(const NarrowCounts& other);
 };
 
-/// Touching or not, by the pair's kernel, warm start included. B's frame must already hold the periodic image next to A.
-/// searchAlways: skip nothing, run the full search every time (the oracle of the switches).
-/// Returns true and fills touch when overlap > 0. Deterministic: depends on the arguments alone.
+/// Touching or not, by the pair's kernel, warm start included. B's frame must already hold the periodic image next to
+/// A. searchAlways: skip nothing, run the full search every time (the oracle of the switches). Returns true and fills
+/// touch when overlap > 0. Deterministic: depends on the arguments alone.
 bool findTouch(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, bool searchAlways,
                WarmCache& cache, NarrowCounts& counts, Touch& touch);
 

@@ -1,0 +1,87 @@
+// The Minkowski difference C = A - B of two placed shapes, in A's body axes: they touch when the origin lies in C, and
+// the overlap is the origin's least depth below C's supporting planes, min over unit n of h(n) = max over C of n . w.
+// Everything here is relative to A, so that a rotation or translation of both bodies changes no digit that matters.
+#pragma once
+
+#include "granular/shape/polyhedron.h"
+
+namespace granular {
+
+/// Lays B's frame down in A's body axes: R turns B's axes into A's, x is B's centre seen from A.
+inline Frame relativeFrame(const Frame& frameA, const Frame& frameB) {
+  return {frameA.R.transpose() * frameB.R, frameA.R.transpose() * (frameB.x - frameA.x)};
+}
+
+/// Index of the vertex furthest along d, by climbing from start; ends at the global maximum, since the body is convex.
+inline std::int32_t climbToSupport(const PolyhedronTables& tables, const Vec3& d, std::int32_t start) {
+  std::int32_t best = start;
+  double height = tables.vertices[static_cast<std::size_t>(best)].dot(d);
+  while (true) {
+    const std::int32_t from = best;
+    const std::int32_t end = tables.neighbourBegin[static_cast<std::size_t>(from) + 1];
+    for (std::int32_t k = tables.neighbourBegin[static_cast<std::size_t>(from)]; k < end; ++k) {
+      const std::int32_t v = tables.neighbours[static_cast<std::size_t>(k)];
+      const double candidate = tables.vertices[static_cast<std::size_t>(v)].dot(d);
+      if (candidate > height) {
+        height = candidate;
+        best = v;
+      }
+    }
+    if (best == from) return best;
+  }
+}
+
+/// A point w = a - b of C with its makings, A's body axes; vertex indices where a shape has them, otherwise -1.
+struct SupportPoint {
+  Vec3 w, a, b;
+  std::int32_t vertexA = -1, vertexB = -1;
+};
+
+/// Support of C. Remembers the last vertices as seeds of the next search, hence not const; one per pair and thread.
+class Difference {
+ public:
+  Difference(const Shape& shapeA, const Frame& frameA, const Shape& shapeB, const Frame& frameB)
+      : a(shapeA), b(shapeB), relative(relativeFrame(frameA, frameB)) {
+    if (a.kind() == ShapeKind::polyhedron) tablesA = &static_cast<const Polyhedron&>(a).tables();
+    if (b.kind() == ShapeKind::polyhedron) tablesB = &static_cast<const Polyhedron&>(b).tables();
+  }
+
+  const Shape& shapeA() const { return a; }
+  const Shape& shapeB() const { return b; }
+  /// B's frame in A's body axes.
+  const Frame& frame() const { return relative; }
+  /// The smaller of the two sizes: the pair's unit of length.
+  double size() const { return std::min(a.size(), b.size()); }
+  /// Largest length that enters a support point: its round-off is this times the machine precision.
+  double extent() const { return a.boundingRadius() + b.boundingRadius() + relative.x.norm(); }
+
+  /// The point of C furthest along d (any length > 0).
+  SupportPoint support(const Vec3& d) {
+    SupportPoint p;
+    p.a = supportOf(a, tablesA, d, seedA);
+    p.b = relative.toWorld(supportOf(b, tablesB, -relative.unrotate(d), seedB));
+    if (tablesA) p.vertexA = seedA;
+    if (tablesB) p.vertexB = seedB;
+    p.w = p.a - p.b;
+    return p;
+  }
+
+  /// h(n) for the unit direction n.
+  double depth(const Vec3& n) { return support(n).w.dot(n); }
+
+ private:
+  static Vec3 supportOf(const Shape& shape, const PolyhedronTables* tables, const Vec3& d, std::int32_t& seed) {
+    if (!tables) return shape.support(d);
+    seed = climbToSupport(*tables, d, seed);
+    return tables->vertices[static_cast<std::size_t>(seed)];
+  }
+
+  const Shape& a;
+  const Shape& b;
+  Frame relative;
+  const PolyhedronTables* tablesA = nullptr;
+  const PolyhedronTables* tablesB = nullptr;
+  std::int32_t seedA = 0, seedB = 0;
+};
+
+}  // namespace granular

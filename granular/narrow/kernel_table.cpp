@@ -1,0 +1,70 @@
+// Which kernel serves which pair of kinds, in one table. Rows: the kind of A; columns: the kind of B, in the order of
+// ShapeKind. Only A's kind <= B's is filled; the other half is served by swapping the bodies.
+#include <utility>
+
+#include "granular/narrow/kernels.h"
+
+namespace granular {
+namespace {
+
+constexpr PairKernel none = nullptr;
+constexpr PairKernel convex = touchConvex;
+
+constexpr std::array<std::array<PairKernel, shapeKindCount>, shapeKindCount> kernelTable{{
+    // sphere       ellipsoid  cylinder  cone    cuboid  polyhedron  bullet
+    {touchSpheres, convex, convex, convex, convex, convex, convex},  // sphere
+    {none, convex, convex, convex, convex, convex, convex},          // ellipsoid
+    {none, none, convex, convex, convex, convex, convex},            // cylinder
+    {none, none, none, convex, convex, convex, convex},              // cone
+    {none, none, none, none, convex, convex, convex},                // cuboid
+    {none, none, none, none, none, convex, convex},                  // polyhedron
+    {none, none, none, none, none, none, convex},                    // bullet
+}};
+
+PairKernel kernelOf(const Shape& a, const Shape& b) {
+  return kernelTable[static_cast<std::size_t>(a.kind())][static_cast<std::size_t>(b.kind())];
+}
+
+}  // namespace
+
+NarrowCounts& NarrowCounts::operator+=(const NarrowCounts& other) {
+  cold += other.cold;
+  searches += other.searches;
+  warm += other.warm;
+  uncertified += other.uncertified;
+  fallbacks += other.fallbacks;
+  missed += other.missed;
+  normalFlips += other.normalFlips;
+  return *this;
+}
+
+bool findTouch(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, bool searchAlways,
+               WarmCache& cache, NarrowCounts& counts, Touch& touch) {
+  if (a.kind() <= b.kind()) return kernelOf(a, b)({a, frameA, b, frameB, searchAlways}, cache, counts, touch);
+
+  // The kernel takes the bodies in the table's order; its answer is turned round. The cache keeps the table's order.
+  if (!kernelOf(b, a)({b, frameB, a, frameA, searchAlways}, cache, counts, touch)) return false;
+  touch.normal = -touch.normal;
+  std::swap(touch.onA, touch.onB);
+  return true;
+}
+
+bool overlaps(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, double* overlap) {
+  // Far apart by their bounding spheres: the commonest case of insertion.
+  const double reach = a.boundingRadius() + b.boundingRadius();
+  if ((frameB.x - frameA.x).squaredNorm() > reach * reach) return false;
+  WarmCache cache;
+  NarrowCounts counts;
+  Touch touch;
+  if (!findTouch(a, frameA, b, frameB, false, cache, counts, touch)) return false;
+  if (overlap) *overlap = touch.overlap;
+  return true;
+}
+
+double depthAlong(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, const Vec3& n) {
+  const Vec3 pointA = a.support(frameA.unrotate(n));
+  const Vec3 pointB = b.support(-frameB.unrotate(n));
+  return frameA.rotate(pointA).dot(n) - frameB.rotate(pointB).dot(n) - (frameB.x - frameA.x).dot(n);
+}
+
+}  // namespace granular

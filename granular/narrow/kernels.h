@@ -1,0 +1,75 @@
+// What the pair kernels share: one signature for all, the answers they give, and the rules by which an answer that was
+// found from the last one may stand without a search.
+#pragma once
+
+#include "granular/narrow/bullet_gjk_epa.h"
+#include "granular/narrow/descent.h"
+#include "granular/narrow/narrow.h"
+
+namespace granular {
+
+/// A pair as a kernel sees it.
+struct PairView {
+  const Shape& a;
+  const Frame& frameA;
+  const Shape& b;
+  const Frame& frameB;
+  bool searchAlways;
+};
+
+/// Fills touch and returns true when the two overlap; keeps the cache and the counts.
+using PairKernel = bool (*)(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
+
+bool touchSpheres(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
+bool touchConvex(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
+
+/// A normal that turns by more than this from one look to the next is counted: cosine of 30 degrees.
+inline constexpr double flipCosine = 0.86602540378443865;
+
+/// Overlap, relative to the pair's size, above which a local minimum of the depth is not trusted to be the global one
+/// unless it proves itself: second minima below three times the depth were met in .04 % of poses at this overlap.
+inline constexpr double shallowOverlap = 0.01;
+
+/// Relative precision of a gap: it is proven whatever this is, and only serves as the pair's motion budget.
+inline constexpr double separationPrecision = 0.05;
+
+/// Writes a touch found in A's body axes into the cache and into world axes, and counts a flipped normal.
+inline bool reportTouch(const PairView& pair, WarmCache::Kind kind, const LocalMinimum& found, WarmCache& cache,
+                        NarrowCounts& counts, Touch& touch) {
+  if (cache.touched && cache.direction.dot(found.normal) < flipCosine) ++counts.normalFlips;
+  cache.kind = kind;
+  cache.touched = 1;
+  cache.direction = found.normal;
+  cache.budget = 0;
+  touch.normal = pair.frameA.rotate(found.normal);
+  touch.overlap = found.depth;
+  touch.onA = pair.frameA.toWorld(found.onA);
+  touch.onB = pair.frameA.toWorld(found.onB);
+  return true;
+}
+
+/// Writes a proven separation (unit direction in A's body axes, gap >= 0 in m) into the cache.
+inline bool reportApart(const Vec3& direction, double gap, WarmCache& cache) {
+  cache.kind = WarmCache::apart;
+  cache.touched = 0;
+  cache.direction = direction;
+  cache.budget = gap;
+  return false;
+}
+
+/// A first guess of the normal in A's body axes: the last one, else the line of centres.
+inline Vec3 guessNormal(const Difference& c, const WarmCache& cache) {
+  if (cache.kind != WarmCache::cold) return cache.direction;
+  const double distance = c.frame().x.norm();
+  return distance > 0 ? Vec3(c.frame().x / distance) : Vec3(Vec3::UnitX());
+}
+
+/// The whole search for shapes of any kind: separated, or the certified global minimum. `proposal` is Bullet's answer,
+/// or null where none was asked for; it is checked against both bounds and counted when it fails.
+struct SearchResult {
+  bool apart = false;
+  LocalMinimum minimum;  ///< apart: the normal separates, depth is minus the gap
+};
+SearchResult searchConvex(Difference& c, const Vec3& guess, const PenetrationAnswer* proposal, NarrowCounts& counts);
+
+}  // namespace granular
