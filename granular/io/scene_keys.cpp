@@ -1,0 +1,320 @@
+#include "granular/io/scene_keys.h"
+
+#include <fmt/format.h>
+
+namespace granular {
+namespace {
+
+using D = Dimension;
+
+constexpr Range anything{-infinity, infinity, true, true};
+constexpr Range positive{0, infinity, true, true};
+constexpr Range positiveOrInfinite{0, infinity, true, false};
+constexpr Range notNegative{0, infinity, false, true};
+constexpr Range fraction{0, 1};
+constexpr Range positiveFraction{0, 1, true, false};
+constexpr Range atLeastOne{1, infinity, false, true};
+
+constexpr std::string_view vesselKinds[] = {"cylinder", "box", "periodic", "none"};
+constexpr std::string_view directions[] = {"x", "y", "z"};
+constexpr std::string_view wallKinds[] = {"plane", "cylinder", "mesh"};
+constexpr std::string_view motions[] = {"fixed", "steady", "vibration"};
+constexpr std::string_view frictionLimits[] = {"total", "push"};
+constexpr std::string_view contactMasses[] = {"reduced", "local"};
+constexpr std::string_view laws[] = {"linear"};
+constexpr std::string_view pointRules[] = {"witness", "manifold", "face_centroid", "pressure_centroid", "patch"};
+constexpr std::string_view integrators[] = {"seelen"};
+constexpr std::string_view shapes[] = {"sphere",     "ellipsoid", "cylinder", "cone",    "cuboid",
+                                       "polyhedron", "mesh",      "sand",     "woodchip"};
+constexpr std::string_view templates[] = {"sphere", "ellipsoid"};
+constexpr std::string_view uses[] = {"hull", "exact"};
+constexpr std::string_view distributions[] = {"fixed", "uniform", "normal", "lognormal", "sieve"};
+constexpr std::string_view bys[] = {"number", "mass"};
+constexpr std::string_view sizeMeanings[] = {"multiplier", "diameter"};
+constexpr std::string_view insertions[] = {"batches", "rain", "poses", "bed"};
+constexpr std::string_view orientations[] = {"random", "upright"};
+constexpr std::string_view settleKinds[] = {"none", "freeze", "sleep"};
+constexpr std::string_view actions[] = {"stop", "continue"};
+
+/// A choice kept as text, because another room owns its table.
+void readTextChoice(KeyVisitor& v, const Key& key, std::string& value, std::span<const std::string_view> names) {
+  std::size_t index = 0;
+  while (index < names.size() && names[index] != value) ++index;
+  v.readChoice(key, index, names);
+  value = names[index];
+}
+
+void visitVessel(KeyVisitor& v, VesselSettings& s) {
+  v.readKind({"kind", "what holds the bed; axis along z, floor at z = 0", "", true}, s.kind, vesselKinds);
+  v.readNumber({"radius", "inner radius", "cylinder", true}, s.radius, D::length, positive);
+  v.readVector({"size", "inner lengths; x and y centred on the origin, z up from the floor", "box|periodic", true},
+               s.size, D::length, positive);
+  v.readNames({"periodic", "directions that repeat; the others have walls", "periodic"}, s.periodic, directions);
+  v.readOptional({"height", "the bed may not rise above it; auto: as high as the bed needs", "cylinder"}, s.height,
+                 D::length, positive);
+  v.readText({"material", "of floor and sides; default: the first material", "cylinder|box|periodic"}, s.material);
+}
+
+void visitWall(KeyVisitor& v, WallSettings& s) {
+  v.readKind({"kind", "shape of the wall", "", true}, s.kind, wallKinds);
+  v.readText({"name", "for messages and output"}, s.name);
+  v.readVector({"point", "plane: a point of it; cylinder: a point of its vertical axis; mesh: where its origin goes"},
+               s.point, D::length, anything);
+  v.readVector({"normal", "towards the granular side, of any length", "plane", true}, s.normal, D::none, anything);
+  v.readNumber({"radius", "particles are inside", "cylinder", true}, s.radius, D::length, positive);
+  v.readFile({"file", "triangle mesh; particles are where its normals point", "mesh", true}, s.file);
+  v.readUnit({"unit", "length of one unit of the file", "mesh", true}, s.unit);
+  v.readNumber({"scale", "further factor on the mesh", "mesh"}, s.scale, D::none, positive);
+  v.readText({"material", "default: the first material"}, s.material);
+  v.readEnum({"motion", "fixed; steady velocity and spin; or vibration"}, s.motion, motions);
+  v.readVector({"velocity", "motion = steady"}, s.velocity, D::velocity, anything);
+  v.readVector({"spin", "motion = steady: angular velocity about point"}, s.spin, D::angularVelocity, anything);
+  v.readVector({"amplitude", "motion = vibration: displacement is amplitude * sin(2 pi frequency t)"}, s.amplitude,
+               D::length, anything);
+  v.readNumber({"frequency", "motion = vibration"}, s.frequency, D::frequency, notNegative);
+}
+
+void visitContactParameters(KeyVisitor& v, ContactParameters& p) {
+  v.readNumber({"stiffness", "k_n, normal spring"}, p.stiffness, D::stiffness, positive);
+  v.readNumber({"restitution", "e_n, of a head-on impact"}, p.restitution, D::none, positiveFraction);
+  v.readNumber({"restitution_tangential", "e_t"}, p.restitutionT, D::none, positiveFraction);
+  v.readNumber({"friction", "Coulomb's coefficient"}, p.friction, D::none, notNegative);
+}
+
+void visitModel(KeyVisitor& v, ModelSettings& s) {
+  readTextChoice(v, {"law", "contact law: linear spring-dashpot with tangential history"}, s.law, laws);
+  v.readBoolean({"tension", "keep the attractive end of a damped contact, so that e = e_n; false: cut at 0"},
+                s.tension);
+  v.readEnum({"friction_limit", "Coulomb's limit from the total normal force, or from its push alone"}, s.frictionLimit,
+             frictionLimits);
+  v.readEnum({"contact_mass", "mass behind the dashpot: reduced mass, or what the contact point feels"}, s.contactMass,
+             contactMasses);
+  readTextChoice(v, {"point_rule", "where the contact force acts"}, s.pointRule, pointRules);
+  v.readNumber({"slab", "face_centroid: thickness of the feature slab as a fraction of the overlap"}, s.slab, D::none,
+               fraction);
+  readTextChoice(v, {"integrator", "time integration of the rotation"}, s.integrator, integrators);
+}
+
+void visitTime(KeyVisitor& v, TimeSettings& s) {
+  v.readOptional({"step", "time step; auto: fraction of the stability bound"}, s.step, D::time, positive);
+  v.readNumber({"fraction", "of the stability bound, for step = auto"}, s.fraction, D::none, positiveFraction);
+  v.readNumber({"max_time", "simulated time after which the run ends in any case"}, s.maxTime, D::time,
+               positiveOrInfinite);
+}
+
+void visitSize(KeyVisitor& v, SizeSettings& s) {
+  v.readKind({"distribution", "of the sizes"}, s.distribution, distributions);
+  v.readEnum({"by", "the distribution counts particles, or weighs them"}, s.by, bys);
+  v.readEnum({"as", "sizes are factors on the group's shape, or diameters of the sphere of equal volume"}, s.as,
+             sizeMeanings);
+  const D d = s.as == SizeSettings::As::diameter ? D::length : D::none;
+  v.readNumber({"value", "the one size", "fixed"}, s.value, d, positive);
+  v.readNumber({"mean", "of the sizes", "normal|lognormal", true}, s.mean, d, positive);
+  v.readNumber({"deviation", "standard deviation of the sizes", "normal|lognormal", true}, s.deviation, d, notNegative);
+  v.readNumber({"min", "smallest size; uniform: needed", "uniform|normal|lognormal"}, s.min, d, positive);
+  v.readNumber({"max", "largest size; uniform: needed", "uniform|normal|lognormal"}, s.max, d, positive);
+  v.readNumbers({"sizes", "sieve openings, ascending", "sieve", true}, s.sizes, d, positive);
+  v.readNumbers({"passing", "fraction finer than each opening, from 0 to 1", "sieve", true}, s.passing, D::none,
+                fraction);
+}
+
+void visitMadeUpKeys(KeyVisitor& v, ParticleSettings& s) {
+  v.readFiles({"files", "meshes, taken in turn (OBJ, STL, PLY, OFF, glTF)", "mesh", true}, s.files);
+  v.readUnit({"unit", "length of one unit of the files", "mesh", true}, s.unit);
+  Interval extent = s.extent.value_or(Interval{});
+  v.readInterval({"extent", "longest extent after scaling, one or [smallest, largest]; default: unscaled", "mesh"},
+                 extent, D::length, positive);
+  if (extent.hi > 0) s.extent = extent;
+  v.readInteger({"max_vertices", "vertex budget of the hull", "mesh"}, s.maxVertices, {4, 10000});
+  v.readEnum({"use", "hull: the convex hull; exact: the mesh itself, closed and convex", "mesh"}, s.use, uses);
+  v.readEnum({"template", "surface the points are spread on", "sand"}, s.sandTemplate, templates);
+  v.readNumber({"aspect", "of the ellipsoid template: length over width", "sand"}, s.aspect, D::none, positive);
+  v.readInterval({"vertex_count", "number of points, drawn uniformly", "sand"}, s.vertexCount, D::none, {4, 1000});
+  v.readNumber({"spread", "how far the points' repulsion is followed: 0 not at all, 1 to rest", "sand"}, s.spread,
+               D::none, fraction);
+  v.readInterval({"length", "distance of the two ends", "woodchip"}, s.length, D::length, positive);
+  v.readInterval({"thin_radius", "circle of the four points at the thin end", "woodchip"}, s.thinRadius, D::length,
+                 positive);
+  v.readInterval({"thick_radius", "circle of the four points at the thick end", "woodchip"}, s.thickRadius, D::length,
+                 positive);
+  v.readInteger({"variants", "different shapes made; 0: every particle its own", "mesh|sand|woodchip"}, s.variants,
+                notNegative);
+}
+
+void visitParticles(KeyVisitor& v, ParticleSettings& s) {
+  s.line = v.line();
+  v.readKind({"shape", "of the group", "", true}, s.shape, shapes);
+  v.readText({"name", "for messages and output"}, s.name);
+  v.readInteger({"count", "particles of this group; either this or share"}, s.count, atLeastOne);
+  v.readNumber({"share", "part of insertion.count, by number"}, s.share, D::none, positiveFraction);
+  v.readText({"material", "default: the first material"}, s.material);
+  v.readNumber({"radius", "cone: of the base; sand: of the template, short half-width if an ellipsoid",
+                "sphere|cylinder|cone|sand", true},
+               s.radius, D::length, positive);
+  v.readNumber({"height", "whole height", "cylinder|cone", true}, s.height, D::length, positive);
+  v.readVector({"semi_axes", "half-widths along x, y, z", "ellipsoid", true}, s.semiAxes, D::length, positive);
+  v.readVector({"half_lengths", "half-lengths along x, y, z", "cuboid", true}, s.halfLengths, D::length, positive);
+  v.readPoints({"vertices", "points whose convex hull is the particle", "polyhedron", true}, s.vertices, D::length);
+  visitMadeUpKeys(v, s);
+  v.readTable({"size", "distribution of sizes; default: all alike"}, [&] { visitSize(v, s.size); });
+}
+
+void visitInsertion(KeyVisitor& v, InsertionSettings& s) {
+  v.readKind({"kind", "batches at random above the bed; rain at a rate; a file of poses; an earlier bed"}, s.kind,
+             insertions);
+  v.readInteger({"count", "particles in all, shared among the groups by their share", "batches|rain"}, s.count,
+                atLeastOne);
+  v.readInterval({"batch", "particles per batch, one number or [fewest, most]", "batches"}, s.batch, D::none,
+                 atLeastOne);
+  v.readNumber({"rate", "particles per second", "rain", true}, s.rate, D::rate, positive);
+  v.readOptional({"height", "of the insertion above the bed's top; auto: half the longest extent", "batches|rain"},
+                 s.height, D::length, notNegative);
+  v.readNumber({"speed", "downwards at insertion", "batches|rain"}, s.speed, D::velocity, notNegative);
+  v.readEnum({"orientation", "at insertion", "batches|rain"}, s.orientation, orientations);
+  v.readNumber(
+      {"energy", "a batch is consolidated when the kinetic energy per particle is below this times m g d", "batches"},
+      s.energy, D::none, positive);
+  v.readNumber({"time", "... for so long", "batches"}, s.time, D::time, notNegative);
+  v.readNumber({"max_time", "longest wait for a batch; then it is counted and the next one follows", "batches"},
+               s.maxTime, D::time, positive);
+  v.readFile({"file", "poses: lines x y z qw qx qy qz [group]; bed: output folder or checkpoint of an earlier run",
+              "poses|bed", true},
+             s.file);
+  v.readNumber({"max_overlap", "deepest overlap accepted at the start, fraction of the size", "poses|bed"},
+               s.maxOverlap, D::none, fraction);
+}
+
+void visitSettle(KeyVisitor& v, SettleSettings& s) {
+  v.readKind({"kind", "none; freeze each batch once consolidated (S); sleep one by one, waking when disturbed"}, s.kind,
+             settleKinds);
+  v.readNumber({"energy", "slow is a kinetic energy below this times m g d", "sleep"}, s.energy, D::none, positive);
+  v.readNumber({"balance", "and a net force below this times m g", "sleep"}, s.balance, D::none, positive);
+  v.readNumber({"time", "for so long", "sleep"}, s.time, D::time, notNegative);
+  v.readNumber({"wake", "woken when the net force differs from that at sleep by this times m g", "sleep"}, s.wake,
+               D::none, positive);
+}
+
+void visitRest(KeyVisitor& v, RestSettings& s) {
+  v.readNumber({"energy", "at rest is a kinetic energy per particle below this times m g d"}, s.energy, D::none,
+               positive);
+  v.readNumber({"time", "for so long"}, s.time, D::time, notNegative);
+  v.readNumber({"max_time", "longest wait for rest after the last particle"}, s.maxTime, D::time, notNegative);
+}
+
+void visitOutput(KeyVisitor& v, OutputSettings& s) {
+  v.readOptional({"frames", "simulated time between frames; auto: the last frame only"}, s.frames, D::time, positive);
+  v.readNumber({"checkpoint_every", "wall time between checkpoints"}, s.checkpointEvery, D::time, positiveOrInfinite);
+  v.readNumber({"checkpoint_interval", "simulated time between checkpoints"}, s.checkpointInterval, D::time,
+               positiveOrInfinite);
+  v.readBoolean({"stl", "the final bed as binary STL"}, s.stl);
+  v.readBoolean({"glb", "the final bed as binary glTF"}, s.glb);
+  v.readNumber({"gap", "stl and glb: each particle shrunk by this at its surface, fraction of its size"}, s.gap,
+               D::none, {0, 0.5});
+  v.readInteger({"voxels", "voxels across the vessel of the porosity field; 0: none"}, s.voxels, {0, 2000});
+  v.readBoolean({"picture", "a rendered picture of the bed"}, s.picture);
+  v.readBoolean({"plots", "plots of the profiles"}, s.plots);
+  v.readBoolean({"particles", "a table of all particles"}, s.particles);
+  v.readBoolean({"contacts", "a table of all contacts, and the force network"}, s.contacts);
+  v.readBoolean({"energy", "energy ledger"}, s.energy);
+  v.readInteger({"resolution", "segments around a circle of a curved surface"}, s.resolution, {6, 360});
+}
+
+void visitAnalysis(KeyVisitor& v, AnalysisSettings& s) {
+  v.readNumber({"margin", "core: longest extents left out at floor, top and wall"}, s.margin, D::none, notNegative);
+  v.readInteger({"radial_bins", "over the vessel's radius"}, s.radialBins, {2, 100000});
+  v.readInteger({"axial_bins", "over the filling height"}, s.axialBins, {2, 100000});
+  v.readInteger({"arc_points", "sampling points per radius of the radial porosity"}, s.arcPoints, {10, 10000000});
+  v.readNumber({"alpha_step", "of S2 and S4 over alpha"}, s.alphaStep, D::angle, {0, pi / 2, true, false});
+  v.readBoolean({"order", "orientational order parameters"}, s.order);
+  v.readBoolean({"pairs", "pair distribution"}, s.pairs);
+  v.readBoolean({"fabric", "fabric tensor and contact statistics"}, s.fabric);
+}
+
+void visitLimits(KeyVisitor& v, LimitSettings& s) {
+  v.readEnum({"on_trouble", "when a limit is passed"}, s.onTrouble, actions);
+  v.readNumber({"max_overlap", "fraction of the size"}, s.maxOverlap, D::none, positive);
+  v.readNumber({"max_speed", "of any particle"}, s.maxSpeed, D::velocity, positive);
+  v.readNumber({"wall_time", "then a checkpoint is written and the run stops"}, s.wallTime, D::time,
+               positiveOrInfinite);
+}
+
+void visitGeneral(KeyVisitor& v, Scene& s) {
+  v.readText({"name", "of the run; default: the file's name"}, s.name);
+  auto seed = static_cast<std::int64_t>(s.seed);
+  v.readInteger({"seed", "of all random numbers"}, seed, notNegative);
+  s.seed = static_cast<std::uint64_t>(seed);
+  std::int64_t threads = s.threads;
+  v.readInteger({"threads", "0: all cores"}, threads, {0, 1024});
+  s.threads = static_cast<int>(threads);
+  v.readVector({"gravity", "acceleration"}, s.gravity, D::acceleration, anything);
+  std::vector<std::string_view> skips = {"all", "none"};
+  skips.insert(skips.end(), std::begin(skipNames), std::end(skipNames));
+  v.readNames({"skip", "what a run may leave out, each without changing the result"}, s.skip, skips);
+}
+
+void visitMaterials(KeyVisitor& v, Scene& s) {
+  v.readTables(
+      {"material", "materials; default: one, called default"}, [&](std::size_t n) { s.materials.resize(n); },
+      [&](std::size_t k) {
+        v.readText({"name", "to be used by particles, walls and contacts", "", true}, s.materials[k].name);
+        v.readNumber({"density", "of the solid"}, s.materials[k].density, D::density, positive);
+      });
+  v.readTable({"contact_default", "parameters of all contacts not named below"},
+              [&] { visitContactParameters(v, s.contactDefault); });
+  v.readTables(
+      {"contact", "parameters between two materials; keys left out are those of contact_default"},
+      [&](std::size_t n) {
+        s.contacts.assign(n, {{}, s.contactDefault});
+      },
+      [&](std::size_t k) {
+        v.readNames({"between", "two materials, or one with itself", "", true}, s.contacts[k].between, {});
+        visitContactParameters(v, s.contacts[k].parameters);
+      });
+}
+
+}  // namespace
+
+bool KeyVisitor::applies(const Key& key) const {
+  if (key.only.empty()) return true;
+  for (std::size_t begin = 0; begin <= key.only.size();) {
+    const std::size_t end = std::min(key.only.find('|', begin), key.only.size());
+    if (key.only.substr(begin, end - begin) == kind) return true;
+    begin = end + 1;
+  }
+  return false;
+}
+
+bool Range::holds(double value) const {
+  return (loOpen ? value > lo : value >= lo) && (hiOpen ? value < hi : value <= hi);
+}
+
+std::string Range::describe(Dimension dimension) const {
+  const std::string unit = dimension == Dimension::none ? "" : fmt::format(" {}", siUnit(dimension));
+  if (lo == -infinity && hi == infinity) return "";
+  if (hi == infinity) return fmt::format("{} {:g}{}", loOpen ? ">" : ">=", lo, unit);
+  if (lo == -infinity) return fmt::format("{} {:g}{}", hiOpen ? "<" : "<=", hi, unit);
+  if (!loOpen && !hiOpen) return fmt::format("{:g} to {:g}{}", lo, hi, unit);
+  return fmt::format("{} {:g} and {} {:g}{}", loOpen ? ">" : ">=", lo, hiOpen ? "<" : "<=", hi, unit);
+}
+
+void visitScene(KeyVisitor& v, Scene& s) {
+  visitGeneral(v, s);
+  v.readTable({"vessel", "what holds the bed", "", true}, [&] { visitVessel(v, s.vessel); });
+  v.readTables(
+      {"wall", "further walls"}, [&](std::size_t n) { s.walls.resize(n); },
+      [&](std::size_t k) { visitWall(v, s.walls[k]); });
+  visitMaterials(v, s);
+  v.readTable({"model", "contact model"}, [&] { visitModel(v, s.model); });
+  v.readTable({"time", "time step and end"}, [&] { visitTime(v, s.time); });
+  v.readTables(
+      {"particles", "groups of particles", "", true}, [&](std::size_t n) { s.particles.resize(n); },
+      [&](std::size_t k) { visitParticles(v, s.particles[k]); });
+  v.readTable({"insertion", "how particles come in"}, [&] { visitInsertion(v, s.insertion); });
+  v.readTable({"settle", "what becomes of particles at rest"}, [&] { visitSettle(v, s.settle); });
+  v.readTable({"rest", "when the run is over"}, [&] { visitRest(v, s.rest); });
+  v.readTable({"output", "what is written"}, [&] { visitOutput(v, s.output); });
+  v.readTable({"analysis", "what is measured"}, [&] { visitAnalysis(v, s.analysis); });
+  v.readTable({"limits", "when a run is in trouble"}, [&] { visitLimits(v, s.limits); });
+}
+
+}  // namespace granular
