@@ -122,10 +122,10 @@ std::string describePowers(const Powers& powers) {
 /// Recursive descent over one expression. Plain quantities are its subset with one leading number.
 class Parser {
  public:
-  Parser(std::string_view source, const QuantityLookup* lookupName) : text(source), lookup(lookupName) {}
+  Parser(std::string_view source, const UnitValueLookup* lookupName) : text(source), lookup(lookupName) {}
 
-  Quantity parse() {
-    const Quantity result = parseSum();
+  UnitValue parse() {
+    const UnitValue result = parseSum();
     skipSpace();
     if (at < text.size()) fail("unexpected \"" + std::string(text.substr(at)) + "\"");
     if (!std::isfinite(result.value)) fail("not a finite number");
@@ -134,7 +134,7 @@ class Parser {
 
  private:
   std::string_view text;
-  const QuantityLookup* lookup;  ///< nullptr: a plain quantity, number and unit only
+  const UnitValueLookup* lookup;  ///< nullptr: a plain quantity, number and unit only
   std::size_t at = 0;
   int numbersSeen = 0;
   int depth = 0;
@@ -166,12 +166,12 @@ class Parser {
     return text.substr(begin, at - begin);
   }
 
-  Quantity parseSum() {
+  UnitValue parseSum() {
     if (++depth > 50) fail("too deeply nested");
-    Quantity sum = parseProduct();
+    UnitValue sum = parseProduct();
     while (peek() == '+' || peek() == '-') {
       const double sign = text[at++] == '+' ? 1 : -1;
-      const Quantity term = parseProduct();
+      const UnitValue term = parseProduct();
       if (term.powers != sum.powers) fail("adds " + describePowers(sum.powers) + " and " + describePowers(term.powers));
       sum.value += sign * term.value;
       sum.hasUnit = sum.hasUnit || term.hasUnit;
@@ -180,18 +180,18 @@ class Parser {
     return sum;
   }
 
-  Quantity parseProduct() {
-    Quantity product = parseWithUnits();
+  UnitValue parseProduct() {
+    UnitValue product = parseWithUnits();
     while (peek() == '*' || peek() == '/') {
       const int sign = text[at++] == '*' ? 1 : -1;
-      const Quantity factor = parseWithUnits();
+      const UnitValue factor = parseWithUnits();
       product = multiply(product, factor, sign);
     }
     return product;
   }
 
-  static Quantity multiply(const Quantity& a, const Quantity& b, int sign) {
-    Quantity result;
+  static UnitValue multiply(const UnitValue& a, const UnitValue& b, int sign) {
+    UnitValue result;
     result.value = sign > 0 ? a.value * b.value : a.value / b.value;
     for (std::size_t k = 0; k < 4; ++k) result.powers[k] = a.powers[k] + sign * b.powers[k];
     result.hasUnit = a.hasUnit || b.hasUnit;
@@ -199,10 +199,10 @@ class Parser {
   }
 
   /// A signed factor and the units written behind it.
-  Quantity parseWithUnits() {
+  UnitValue parseWithUnits() {
     bool negative = false;
     while (peek() == '-' || peek() == '+') negative ^= text[at++] == '-';
-    Quantity result = parsePower();
+    UnitValue result = parsePower();
     if (negative) result.value = -result.value;
     while (nextIsUnit()) result = multiply(result, parsePower(), 1);
     skipOneOfUnit();
@@ -225,13 +225,13 @@ class Parser {
     if (peek() != '/') at = begin;
   }
 
-  Quantity parsePower() {
-    Quantity base = parseAtom();
+  UnitValue parsePower() {
+    UnitValue base = parseAtom();
     if (!take('^')) return base;
     const bool negative = take('-');
-    const Quantity exponent = parseExponent();
+    const UnitValue exponent = parseExponent();
     const double power = negative ? -exponent.value : exponent.value;
-    Quantity result = base;
+    UnitValue result = base;
     result.value = std::pow(base.value, power);
     for (int& p : result.powers) {
       if (p == 0) continue;
@@ -241,29 +241,29 @@ class Parser {
     return result;
   }
 
-  Quantity parseExponent() {
+  UnitValue parseExponent() {
     // A power isn't a second number of a plain quantity.
     const int before = std::exchange(numbersSeen, 0);
-    const Quantity exponent = parseAtom();
+    const UnitValue exponent = parseAtom();
     numbersSeen = before;
     if (exponent.powers != number) fail("an exponent must be a plain number");
     return exponent;
   }
 
-  Quantity parseAtom() {
+  UnitValue parseAtom() {
     const char c = peek();
     if ((c >= '0' && c <= '9') || c == '.') return parseNumber();
     if (startsName(c)) return parseName();
     if (lookup && take('(')) {
-      const Quantity inside = parseSum();
+      const UnitValue inside = parseSum();
       if (!take(')')) fail("a closing bracket is missing");
       return inside;
     }
     fail(c ? "a number is missing before \"" + std::string(text.substr(at)) + '"' : std::string("a number is missing"));
   }
 
-  Quantity parseNumber() {
-    Quantity result;
+  UnitValue parseNumber() {
+    UnitValue result;
     const auto [end, error] = std::from_chars(text.data() + at, text.data() + text.size(), result.value);
     if (error != std::errc()) fail("not a number");
     at = static_cast<std::size_t>(end - text.data());
@@ -271,7 +271,7 @@ class Parser {
     return result;
   }
 
-  Quantity parseName() {
+  UnitValue parseName() {
     const std::string_view name = takeName();
     if (const Unit* unit = findUnit(name)) {
       if (numbersSeen == 0 && !lookup) fail("a number is missing before the unit");
@@ -280,16 +280,16 @@ class Parser {
     }
     if (!lookup) fail("unknown unit \"" + std::string(name) + '"');
     if (peek() == '(') return parseFunction(name);
-    if (const Quantity* found = (*lookup)(name)) return *found;
+    if (const UnitValue* found = (*lookup)(name)) return *found;
     fail("\"" + std::string(name) + "\" is neither a unit nor a parameter of the scene");
   }
 
-  Quantity parseFunction(std::string_view name) {
+  UnitValue parseFunction(std::string_view name) {
     take('(');
-    Quantity a = parseSum();
+    UnitValue a = parseSum();
     if (name == "min" || name == "max") {
       if (!take(',')) fail(std::string(name) + " takes two values");
-      const Quantity b = parseSum();
+      const UnitValue b = parseSum();
       if (a.powers != b.powers) fail(std::string(name) + " compares different dimensions");
       a.value = name == "min" ? std::min(a.value, b.value) : std::max(a.value, b.value);
     } else if (name == "abs") {
@@ -311,13 +311,13 @@ class Parser {
 
 }  // namespace
 
-Quantity parseQuantity(std::string_view text) { return Parser(text, nullptr).parse(); }
+UnitValue parseQuantity(std::string_view text) { return Parser(text, nullptr).parse(); }
 
-Quantity evaluateExpression(std::string_view text, const QuantityLookup& lookup) {
+UnitValue evaluateExpression(std::string_view text, const UnitValueLookup& lookup) {
   return Parser(text, &lookup).parse();
 }
 
-double toSi(const Quantity& quantity, Dimension expected) {
+double toSi(const UnitValue& quantity, Dimension expected) {
   const DimensionRow& wanted = row(expected);
   if (!quantity.hasUnit || quantity.powers == wanted.powers) return quantity.value;
   throw InputError("is " + withArticle(describePowers(quantity.powers)) + ", but " + withArticle(wanted.name) +

@@ -32,7 +32,7 @@ enum class Dimension : unsigned char {
 };
 
 /// A number in SI units with the powers of m, kg, s and rad it carries.
-struct Quantity {
+struct UnitValue {
   double value = 0;
   std::array<int, 4> powers = {0, 0, 0, 0};
   /// A unit was written somewhere; a result without one is taken as an SI number.
@@ -40,18 +40,18 @@ struct Quantity {
 };
 
 /// Finds a named value for an expression; nullptr: no such name.
-using QuantityLookup = std::function<const Quantity*(std::string_view name)>;
+using UnitValueLookup = std::function<const UnitValue*(std::string_view name)>;
 
 /// A number followed by a unit ("25 mm", "1e4 N/m", "20 1/s", "2 %"). Throws InputError naming the text and what is
 /// wrong.
-Quantity parseQuantity(std::string_view text);
+UnitValue parseQuantity(std::string_view text);
 
 /// An expression of numbers, units and names with + - * / ^ ( ) and sqrt, cbrt, abs, min, max. A unit binds to the
 /// number before it more tightly than * and /: "10 mm / 2 s" is 5 mm/s. Throws InputError.
-Quantity evaluateExpression(std::string_view text, const QuantityLookup& lookup);
+UnitValue evaluateExpression(std::string_view text, const UnitValueLookup& lookup);
 
 /// The SI value, or InputError naming the expected dimension and its units when the quantity is something else.
-double toSi(const Quantity& quantity, Dimension expected);
+double toSi(const UnitValue& quantity, Dimension expected);
 
 /// "length", "density", ...
 std::string_view dimensionName(Dimension dimension);

@@ -171,23 +171,27 @@ struct OutputSettings {
   double checkpointEvery = 600;          ///< wall time, s
   double checkpointInterval = infinity;  ///< simulated time, s
   bool stl = true, glb = true;           ///< the final bed as surfaces
-  double gap = 0;           ///< stl, glb: each particle shrunk by this at its surface, fraction of its size
-  std::int64_t voxels = 0;  ///< voxels across the vessel's width of the porosity field; 0: none
+  double gap = 0;  ///< stl, glb: each particle shrunk by this at its surface, fraction of its size
   bool picture = true, plots = true;
   bool particles = true, contacts = true;  ///< CSV tables
   bool energy = true;                      ///< energy ledger
   std::int64_t resolution = 24;            ///< segments around a circle of a curved surface
 };
 
+/// Lengths are in units of the mean longest extent or, for the dimensionless profiles, of `unitLength`.
 struct AnalysisSettings {
-  double margin = 2;                       ///< core: longest extents left out at floor, top and wall
-  std::int64_t radialBins = 100;           ///< over the vessel's radius
-  std::int64_t axialBins = 200;            ///< over the filling height
-  std::int64_t arcPoints = 2000;           ///< sampling points per radius and height of the radial porosity
-  double alphaStep = 0.08726646259971647;  ///< step of alpha in S2 and S4 over alpha, rad (5 deg)
-  bool order = true;                       ///< orientational order parameters
-  bool pairs = true;                       ///< pair distribution
-  bool fabric = true;                      ///< fabric tensor and contact statistics
+  std::optional<double>
+      unitLength;          ///< of dimensionless distances, m; not given: mean diameter of the sphere of equal volume
+  double nearWall = 1;     ///< thickness of the near-wall region, longest extents
+  double core = 2;         ///< core: longest extents left out at floor, top and wall
+  double ringStep = 0.05;  ///< radial and axial profile: distance of the sampled circles, unit lengths
+  double arcStep = 0.1;    ///< and of the points on a circle, unit lengths
+  double orderBin = 0.5;   ///< annular bins of the order parameters, unit lengths
+  double alphaStep = pi / 36;   ///< step of alpha in S2 and S4 over alpha, rad
+  double pairReach = 5;         ///< reach of the pair distribution, unit lengths
+  double pairBin = 0.05;        ///< its bins, unit lengths
+  double forceBin = 0.2;        ///< bins of the force distribution, mean forces
+  std::optional<double> voxel;  ///< edge of the porosity field's voxels, m; not given: no field
 };
 
 /// When a run is in trouble, and what then.

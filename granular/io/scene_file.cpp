@@ -351,7 +351,7 @@ class SceneReader : public KeyVisitor {
     std::set<std::string> known;
   };
   struct Parameter {
-    Quantity quantity;
+    UnitValue quantity;
     toml::source_region where;
     bool used = false;
   };
@@ -411,9 +411,9 @@ class SceneReader : public KeyVisitor {
   }
 
   /// The quantity a string spells: an expression after "=", otherwise a number with its unit.
-  Quantity evaluateText(std::string_view text) {
+  UnitValue evaluateText(std::string_view text) {
     if (!text.starts_with('=')) return parseQuantity(text);
-    return evaluateExpression(text.substr(1), [this](std::string_view name) -> const Quantity* {
+    return evaluateExpression(text.substr(1), [this](std::string_view name) -> const UnitValue* {
       const auto found = parameters.find(std::string(name));
       if (found == parameters.end()) return nullptr;
       found->second.used = true;
@@ -437,7 +437,7 @@ class SceneReader : public KeyVisitor {
     } else if (node.is_string()) {
       const std::string& text = node.as_string()->get();
       try {
-        const Quantity quantity = evaluateText(text);
+        const UnitValue quantity = evaluateText(text);
         number = toSi(quantity, dimension);
         if (!text.starts_with('=') && !quantity.hasUnit && dimension != Dimension::none)
           return fail(node, path, "has no unit; it must be " + what), false;

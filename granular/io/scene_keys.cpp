@@ -23,7 +23,7 @@ constexpr std::string_view frictionLimits[] = {"total", "push"};
 constexpr std::string_view contactMasses[] = {"reduced", "local"};
 constexpr std::string_view laws[] = {"linear"};
 constexpr std::string_view pointRules[] = {"witness", "manifold", "face_centroid", "pressure_centroid", "patch"};
-constexpr std::string_view integrators[] = {"seelen"};
+constexpr std::string_view integrators[] = {"seelen", "spiral"};
 constexpr std::string_view shapes[] = {"sphere",     "ellipsoid", "cylinder", "cone",    "cuboid",
                                        "polyhedron", "mesh",      "sand",     "woodchip"};
 constexpr std::string_view templates[] = {"sphere", "ellipsoid"};
@@ -210,7 +210,6 @@ void visitOutput(KeyVisitor& v, OutputSettings& s) {
   v.readBoolean({"glb", "the final bed as binary glTF"}, s.glb);
   v.readNumber({"gap", "stl and glb: each particle shrunk by this at its surface, fraction of its size"}, s.gap,
                D::none, {0, 0.5});
-  v.readInteger({"voxels", "voxels across the vessel of the porosity field; 0: none"}, s.voxels, {0, 2000});
   v.readBoolean({"picture", "a rendered picture of the bed"}, s.picture);
   v.readBoolean({"plots", "plots of the profiles"}, s.plots);
   v.readBoolean({"particles", "a table of all particles"}, s.particles);
@@ -220,14 +219,20 @@ void visitOutput(KeyVisitor& v, OutputSettings& s) {
 }
 
 void visitAnalysis(KeyVisitor& v, AnalysisSettings& s) {
-  v.readNumber({"margin", "core: longest extents left out at floor, top and wall"}, s.margin, D::none, notNegative);
-  v.readInteger({"radial_bins", "over the vessel's radius"}, s.radialBins, {2, 100000});
-  v.readInteger({"axial_bins", "over the filling height"}, s.axialBins, {2, 100000});
-  v.readInteger({"arc_points", "sampling points per radius of the radial porosity"}, s.arcPoints, {10, 10000000});
+  v.readOptional({"unit_length", "of dimensionless distances; auto: mean diameter of the sphere of equal volume"},
+                 s.unitLength, D::length, positive);
+  v.readNumber({"near_wall", "thickness of the near-wall region, in mean longest extents"}, s.nearWall, D::none,
+               positive);
+  v.readNumber({"core", "left out at floor, top and wall, in mean longest extents"}, s.core, D::none, notNegative);
+  v.readNumber({"ring_step", "porosity profiles: distance of the sampled circles, in unit lengths"}, s.ringStep,
+               D::none, positive);
+  v.readNumber({"arc_step", "and of the points on a circle"}, s.arcStep, D::none, positive);
+  v.readNumber({"order_bin", "annular bins of the order parameters, in unit lengths"}, s.orderBin, D::none, positive);
   v.readNumber({"alpha_step", "of S2 and S4 over alpha"}, s.alphaStep, D::angle, {0, pi / 2, true, false});
-  v.readBoolean({"order", "orientational order parameters"}, s.order);
-  v.readBoolean({"pairs", "pair distribution"}, s.pairs);
-  v.readBoolean({"fabric", "fabric tensor and contact statistics"}, s.fabric);
+  v.readNumber({"pair_reach", "of the pair distribution, in unit lengths"}, s.pairReach, D::none, positive);
+  v.readNumber({"pair_bin", "its bins, in unit lengths"}, s.pairBin, D::none, positive);
+  v.readNumber({"force_bin", "bins of the force distribution, in mean forces"}, s.forceBin, D::none, positive);
+  v.readOptional({"voxel", "edge of the porosity field's voxels; auto: no field"}, s.voxel, D::length, positive);
 }
 
 void visitLimits(KeyVisitor& v, LimitSettings& s) {

@@ -57,9 +57,9 @@ TEST(Units, MalformedQuantitiesAreRefusedWithTheirText) {
 }
 
 TEST(Units, ExpressionsFollowTheUsualPrecedence) {
-  const Quantity aspect{2, {0, 0, 0, 0}, false};
-  const Quantity width{3e-3, {1, 0, 0, 0}, true};
-  const QuantityLookup lookup = [&](std::string_view name) -> const Quantity* {
+  const UnitValue aspect{2, {0, 0, 0, 0}, false};
+  const UnitValue width{3e-3, {1, 0, 0, 0}, true};
+  const UnitValueLookup lookup = [&](std::string_view name) -> const UnitValue* {
     return name == "aspect" ? &aspect : name == "width" ? &width : nullptr;
   };
   const auto evaluate = [&](std::string_view text, Dimension d) { return toSi(evaluateExpression(text, lookup), d); };
