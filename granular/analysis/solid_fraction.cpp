@@ -14,16 +14,17 @@ double measureShareBelow(const Shape& shape, const Frame& frame, double height) 
   if (box.lo.z() >= height) return 0;
   constexpr int n = 24;
   const Vec3 step = (box.hi - box.lo) / n;
-  std::int64_t below = 0, all = 0;
+  double below = 0, all = 0;
   for (int a = 0; a < n; ++a)
     for (int b = 0; b < n; ++b)
       for (int c = 0; c < n; ++c) {
         const Vec3 p = box.lo + step.cwiseProduct(Vec3(a + 0.5, b + 0.5, c + 0.5));
         if (!shape.contains(frame.toBody(p))) continue;
-        ++all;
-        if (p.z() < height) ++below;
+        // The layer that the height cuts counts by its part below.
+        all += 1;
+        below += std::clamp((height - p.z()) / step.z() + 0.5, 0.0, 1.0);
       }
-  return all > 0 ? static_cast<double>(below) / static_cast<double>(all) : (frame.x.z() < height ? 1 : 0);
+  return all > 0 ? below / all : (frame.x.z() < height ? 1 : 0);
 }
 
 std::string describeLengths(double length, double unit) {
