@@ -26,4 +26,8 @@ inline constexpr double hullConvexity = 1e-7;
 /// support point (a few eps), nothing else.
 inline constexpr double onSurface = 1e-14;
 
+/// Relative to the hull's volume: a closed mesh that encloses less is folded paper. Single-precision coordinates leave
+/// up to about 1e-7 in each direction.
+inline constexpr double zeroVolume = 1e-6;
+
 }  // namespace granular::tolerance

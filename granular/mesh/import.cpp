@@ -1,0 +1,288 @@
+#include "granular/mesh/import.h"
+
+#include <assimp/BaseImporter.h>
+#include <assimp/importerdesc.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <assimp/Importer.hpp>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "granular/core/errors.h"
+#include "granular/mesh/repair.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define GRANULAR_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define GRANULAR_SANITIZED 1
+#endif
+#endif
+
+namespace granular {
+namespace {
+
+// What the child sends ahead of its data.
+struct Announcement {
+  std::int64_t failed = 0;
+  std::int64_t vertices = 0;
+  std::int64_t triangles = 0;
+  std::int64_t otherPrimitives = 0;
+  std::int64_t messageBytes = 0;
+};
+
+// --- in the child ---
+
+void writeAll(int pipe, const void* data, std::size_t bytes) {
+  const char* at = static_cast<const char*>(data);
+  while (bytes > 0) {
+    const ssize_t written = ::write(pipe, at, bytes);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) ::_exit(3);
+    at += written;
+    bytes -= static_cast<std::size_t>(written);
+  }
+}
+
+// Keeps the loaders of the supported formats.
+void unregisterOtherLoaders(Assimp::Importer& importer) {
+  const std::set<std::string> kept = {"obj", "stl", "ply", "off", "gltf", "glb"};
+  for (std::size_t k = importer.GetImporterCount(); k-- > 0;) {
+    Assimp::BaseImporter* loader = importer.GetImporter(k);
+    std::set<std::string> extensions;
+    loader->GetExtensionList(extensions);
+    const bool wanted =
+        std::any_of(extensions.begin(), extensions.end(), [&](const std::string& e) { return kept.count(e) > 0; });
+    if (!wanted) importer.UnregisterLoader(loader);
+  }
+}
+
+// Appends the meshes of a node and of all nodes below it, placed by the transformations on the way.
+void collect(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& parent, RawMesh& out) {
+  Eigen::Matrix4d local;
+  for (unsigned row = 0; row < 4; ++row) {
+    for (unsigned column = 0; column < 4; ++column) local(row, column) = node.mTransformation[row][column];
+  }
+  const Eigen::Matrix4d transform = parent * local;
+  for (unsigned k = 0; k < node.mNumMeshes; ++k) {
+    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[k]];
+    const int first = static_cast<int>(out.vertices.size());
+    for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
+      const aiVector3D& p = mesh.mVertices[v];
+      out.vertices.push_back((transform * Eigen::Vector4d(p.x, p.y, p.z, 1)).head<3>());
+    }
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+      const aiFace& face = mesh.mFaces[f];
+      const bool valid = std::all_of(face.mIndices, face.mIndices + face.mNumIndices,
+                                     [&](unsigned i) { return i < mesh.mNumVertices; });
+      if (!valid) throw std::runtime_error("a face uses a vertex that is missing");
+      if (face.mNumIndices != 3) {
+        ++out.otherPrimitives;
+        continue;
+      }
+      out.triangles.push_back({first + static_cast<int>(face.mIndices[0]), first + static_cast<int>(face.mIndices[1]),
+                               first + static_cast<int>(face.mIndices[2])});
+    }
+    if (static_cast<std::int64_t>(out.vertices.size()) > maxMeshVertices) throw std::runtime_error("too many vertices");
+  }
+  for (unsigned k = 0; k < node.mNumChildren; ++k) collect(scene, *node.mChildren[k], transform, out);
+}
+
+void sendFailure(int pipe, const std::string& message) {
+  Announcement announcement;
+  announcement.failed = 1;
+  announcement.messageBytes = static_cast<std::int64_t>(message.size());
+  writeAll(pipe, &announcement, sizeof announcement);
+  writeAll(pipe, message.data(), message.size());
+}
+
+void loadAndSend(const std::string& path, int pipe) try {
+  Assimp::Importer importer;
+  unregisterOtherLoaders(importer);
+  const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
+  if (scene == nullptr || scene->mRootNode == nullptr) return sendFailure(pipe, importer.GetErrorString());
+  RawMesh mesh;
+  collect(*scene, *scene->mRootNode, Eigen::Matrix4d::Identity(), mesh);
+  Announcement announcement;
+  announcement.vertices = static_cast<std::int64_t>(mesh.vertices.size());
+  announcement.triangles = static_cast<std::int64_t>(mesh.triangles.size());
+  announcement.otherPrimitives = mesh.otherPrimitives;
+  writeAll(pipe, &announcement, sizeof announcement);
+  writeAll(pipe, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
+  writeAll(pipe, mesh.triangles.data(), mesh.triangles.size() * sizeof(std::array<int, 3>));
+} catch (const std::bad_alloc&) {
+  sendFailure(pipe, "out of memory");
+} catch (const std::exception& error) {
+  sendFailure(pipe, error.what());
+}
+
+void limitChild(std::int64_t memoryBytes, double seconds) {
+  const auto limit = [](auto resource, std::int64_t soft) {
+    const rlimit value{static_cast<rlim_t>(soft), static_cast<rlim_t>(soft)};
+    ::setrlimit(resource, &value);
+  };
+  limit(RLIMIT_CORE, 0);
+  limit(RLIMIT_CPU, static_cast<std::int64_t>(seconds) + 1);
+#ifdef GRANULAR_SANITIZED
+  // A sanitizer reserves terabytes of address space: memory stays unlimited there.
+  (void)memoryBytes;
+#else
+  // The child begins with the parent's address space; the budget comes on top.
+  std::ifstream statm("/proc/self/statm");
+  std::int64_t pages = 0;
+  statm >> pages;
+  limit(RLIMIT_AS, pages * ::sysconf(_SC_PAGESIZE) + memoryBytes);
+#endif
+}
+
+// --- in the parent ---
+
+// The child and the reading end of its pipe; killed and waited for whatever happens.
+class Child {
+ public:
+  Child(const std::string& path, std::int64_t memoryBytes, double seconds) : clockLimit(2 * seconds) {
+    std::array<int, 2> ends{};
+    require(::pipe(ends.data()) == 0, "mesh " + path + ": no pipe to the importer: " + std::strerror(errno));
+    std::fflush(nullptr);
+    process = ::fork();
+    if (process == 0) {
+      ::close(ends[0]);
+      // What a crashing loader prints is of no use to anyone.
+      if (std::freopen("/dev/null", "w", stderr) == nullptr || std::freopen("/dev/null", "w", stdout) == nullptr)
+        ::_exit(3);
+      for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL}) ::signal(signal, SIG_DFL);
+      limitChild(memoryBytes, seconds);
+      loadAndSend(path, ends[1]);
+      ::_exit(0);
+    }
+    ::close(ends[1]);
+    pipe = ends[0];
+    if (process < 0) {
+      ::close(pipe);
+      throw InputError("mesh " + path + ": no process for the importer: " + std::strerror(errno));
+    }
+    start = std::chrono::steady_clock::now();
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child() { finish(); }
+
+  // Reads exactly so many bytes; false when the child ended or its time is over.
+  bool read(void* data, std::size_t bytes) {
+    char* at = static_cast<char*>(data);
+    while (bytes > 0) {
+      const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+      const int left = static_cast<int>(1000 * (clockLimit - passed.count()));
+      pollfd waiting{pipe, POLLIN, 0};
+      const int ready = left > 0 ? ::poll(&waiting, 1, left) : 0;
+      if (ready < 0 && errno == EINTR) continue;
+      timedOut = ready == 0;
+      if (ready <= 0) return false;
+      const ssize_t got = ::read(pipe, at, bytes);
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) return false;
+      at += got;
+      bytes -= static_cast<std::size_t>(got);
+    }
+    return true;
+  }
+
+  // Why the child ended, in words.
+  std::string finish() {
+    if (process <= 0) return "";
+    ::close(pipe);
+    if (timedOut) ::kill(process, SIGKILL);
+    int status = 0;
+    while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
+    }
+    process = 0;
+    if (timedOut || (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL))) {
+      return "the loader took more than its time and was stopped; the file is malformed or too big";
+    }
+    if (WIFSIGNALED(status))
+      return "the loader crashed on it (signal " + std::to_string(WTERMSIG(status)) + "); the file is malformed";
+    return "the loader gave no answer; the file is malformed";
+  }
+
+ private:
+  pid_t process = 0;
+  int pipe = -1;
+  double clockLimit;
+  bool timedOut = false;
+  std::chrono::steady_clock::time_point start;
+};
+
+}  // namespace
+
+RawMesh importMesh(const std::string& path, const ImportLimits& limits) {
+  const MeshHeader header = checkMeshHeader(path);
+  const std::int64_t automatic = std::min((std::int64_t{512} << 20) + 64 * header.bytes, std::int64_t{8} << 30);
+  Child child(path, limits.memoryBytes > 0 ? limits.memoryBytes : automatic, limits.seconds);
+  const auto fail = [&](const std::string& reason) { throw InputError("mesh " + path + ": " + reason); };
+
+  // The child's word on what follows; counts are bounded before memory is taken for them.
+  Announcement announcement;
+  if (!child.read(&announcement, sizeof announcement)) fail(child.finish());
+  if (announcement.failed != 0) {
+    std::string message(static_cast<std::size_t>(std::clamp<std::int64_t>(announcement.messageBytes, 0, 4096)), '\0');
+    if (!child.read(message.data(), message.size())) message = "unknown";
+    fail("is not a readable " + formatName(header.format) + " mesh: " + message);
+  }
+  if (announcement.triangles == 0) fail("is empty: no triangle");
+  if (announcement.vertices > maxMeshVertices || announcement.triangles > maxMeshFaces) {
+    fail("is too big: " + std::to_string(announcement.triangles) + " triangles; at most " +
+         std::to_string(maxMeshFaces));
+  }
+
+  RawMesh mesh;
+  mesh.vertices.resize(static_cast<std::size_t>(announcement.vertices));
+  mesh.triangles.resize(static_cast<std::size_t>(announcement.triangles));
+  if (!child.read(mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3)) ||
+      !child.read(mesh.triangles.data(), mesh.triangles.size() * sizeof(std::array<int, 3>))) {
+    fail(child.finish());
+  }
+  mesh.format = header.format;
+  mesh.bytes = header.bytes;
+  mesh.perCorner = header.format == MeshFormat::stl || header.format == MeshFormat::obj;
+  mesh.file = header.file;
+  mesh.otherPrimitives = announcement.otherPrimitives;
+  return mesh;
+}
+
+double metresPerUnit(const std::string& unit) {
+  static const std::map<std::string, double> known = {{"m", 1},     {"dm", 0.1},    {"cm", 0.01},
+                                                      {"mm", 1e-3}, {"um", 1e-6},   {"nm", 1e-9},
+                                                      {"km", 1000}, {"in", 0.0254}, {"ft", 0.3048}};
+  const auto found = known.find(unit);
+  if (found == known.end())
+    throw InputError("unit of length '" + unit + "' is unknown; allowed: m, dm, cm, mm, um, nm, km, in, ft");
+  return found->second;
+}
+
+TriangleMesh importTriangles(const std::string& path, const std::string& unit, double scale) {
+  require(scale > 0 && std::isfinite(scale),
+          "mesh " + path + ": scale " + std::to_string(scale) + " must be positive and finite");
+  const double factor = scale * metresPerUnit(unit);
+  MeshDefects defects;
+  TriangleMesh mesh = weldMesh(importMesh(path), defects);
+  require(defects.nonFiniteVertices == 0, "mesh " + path + ": " + std::to_string(defects.nonFiniteVertices) +
+                                              " vertices have a coordinate that is NaN or infinite");
+  require(!mesh.triangles.empty(), "mesh " + path + ": no triangle with an area");
+  for (Vec3& vertex : mesh.vertices) vertex *= factor;
+  return mesh;
+}
+
+}  // namespace granular
