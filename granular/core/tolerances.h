@@ -30,4 +30,8 @@ inline constexpr double onSurface = 1e-14;
 /// up to about 1e-7 in each direction.
 inline constexpr double zeroVolume = 1e-6;
 
+/// Relative to the largest coordinate: triangles of a wall mesh whose corners leave a plane by no more lie in one facet.
+/// Files hold single precision, 6e-8 per coordinate; three corners and the tilt of the plane through them add up to some 4e-7.
+inline constexpr double coplanar = 1e-6;
+
 }  // namespace granular::tolerance
