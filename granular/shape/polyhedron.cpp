@@ -59,6 +59,13 @@ Polyhedron::Polyhedron(std::span<const Vec3> points, Frame* toBody) : Shape(Shap
   setMeasures(solid.principal, bounding, inner, std::sqrt(diameter), distinctAxis(solid.principal.inertia, false));
 }
 
+Polyhedron::Polyhedron(const Polyhedron& source, double factor)
+    : Shape(ShapeKind::polyhedron), topology(source.topology), octantVertex(source.octantVertex) {
+  for (Vec3& v : topology.vertices) v *= factor;
+  for (double& offset : topology.faceOffsets) offset *= factor;
+  setScaledMeasures(source, factor);
+}
+
 void Polyhedron::findOctantVertices() {
   for (std::size_t k = 0; k < 8; ++k) {
     const Vec3 middle((k & 1) ? 1 : -1, (k & 2) ? 1 : -1, (k & 4) ? 1 : -1);

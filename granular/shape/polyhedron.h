@@ -49,6 +49,9 @@ class Polyhedron : public Shape {
   /// body in the input coordinates: input point = toBody->toWorld(body point).
   explicit Polyhedron(std::span<const Vec3> points, Frame* toBody = nullptr);
 
+  /// The source multiplied by factor (> 0): same topology, same body axes, no new hull.
+  Polyhedron(const Polyhedron& source, double factor);
+
   const PolyhedronTables& tables() const { return topology; }
 
   Vec3 support(const Vec3& d) const override;

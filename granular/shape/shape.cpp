@@ -16,6 +16,16 @@ void Shape::setMeasures(const MassProperties& properties, double bounding, doubl
   axis = directorAxis;
 }
 
+void Shape::setScaledMeasures(const Shape& source, double factor) {
+  const double square = factor * factor;
+  MassProperties scaled = source.mass;
+  scaled.volume *= square * factor;
+  scaled.area *= square;
+  scaled.inertia *= square * square * factor;
+  scaled.meanSquareRadius *= square;
+  setMeasures(scaled, source.outerRadius * factor, source.insideRadius * factor, source.longest * factor, source.axis);
+}
+
 Aabb Shape::bounds(const Frame& frame) const {
   Aabb box;
   for (int k = 0; k < 3; ++k) {

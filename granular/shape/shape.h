@@ -79,6 +79,8 @@ class Shape {
   /// To be called once by a constructor, when support() works.
   void setMeasures(const MassProperties& properties, double bounding, double inner, double longestLength,
                    const Vec3& directorAxis);
+  /// The measures of source multiplied by factor (dimensionless, > 0), instead of setMeasures.
+  void setScaledMeasures(const Shape& source, double factor);
 
  private:
   ShapeKind shapeKind;
