@@ -11,7 +11,21 @@ constexpr int maxSteps = 40;
 /// precision over it, and smooth surfaces converge by about this factor per step.
 constexpr double stepGap = 1e-2;
 
+/// Moves the two points along the normal so that they are the overlap apart, exactly.
+void holdApart(LocalMinimum& m) {
+  const Vec3 middle = 0.5 * (m.onA + m.onB);
+  m.onA = middle + 0.5 * m.depth * m.normal;
+  m.onB = middle - 0.5 * m.depth * m.normal;
+}
+
 }  // namespace
+
+LocalMinimum standOn(Difference& c, const Vec3& normal) {
+  const SupportPoint p = c.support(normal);
+  LocalMinimum out{normal, p.w.dot(normal), p.a, p.b};
+  holdApart(out);
+  return out;
+}
 
 LocalMinimum descend(Difference& c, const Vec3& start) {
   const double g = stepGap * c.size();
@@ -41,10 +55,7 @@ LocalMinimum descend(Difference& c, const Vec3& start) {
     if (turn < 1e-14) break;
   }
 
-  // Hold the two points to the overlap exactly.
-  const Vec3 middle = 0.5 * (out.onA + out.onB);
-  out.onA = middle + 0.5 * out.depth * out.normal;
-  out.onB = middle - 0.5 * out.depth * out.normal;
+  holdApart(out);
   return out;
 }
 

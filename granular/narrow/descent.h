@@ -19,4 +19,7 @@ struct LocalMinimum {
 /// Descends from the unit direction start.
 LocalMinimum descend(Difference& c, const Vec3& start);
 
+/// A direction taken as it is, with its depth and deepest points.
+LocalMinimum standOn(Difference& c, const Vec3& normal);
+
 }  // namespace granular

@@ -44,6 +44,8 @@ class Difference {
       : a(shapeA), b(shapeB), relative(relativeFrame(frameA, frameB)) {
     if (a.kind() == ShapeKind::polyhedron) tablesA = &static_cast<const Polyhedron&>(a).tables();
     if (b.kind() == ShapeKind::polyhedron) tablesB = &static_cast<const Polyhedron&>(b).tables();
+    if (a.kind() == ShapeKind::cuboid) halfA = &static_cast<const Cuboid&>(a).halfLengths();
+    if (b.kind() == ShapeKind::cuboid) halfB = &static_cast<const Cuboid&>(b).halfLengths();
   }
 
   const Shape& shapeA() const { return a; }
@@ -58,10 +60,10 @@ class Difference {
   /// The point of C furthest along d (any length > 0).
   SupportPoint support(const Vec3& d) {
     SupportPoint p;
-    p.a = supportOf(a, tablesA, d, seedA);
-    p.b = relative.toWorld(supportOf(b, tablesB, -relative.unrotate(d), seedB));
-    if (tablesA) p.vertexA = seedA;
-    if (tablesB) p.vertexB = seedB;
+    p.a = supportOf(a, tablesA, halfA, d, seedA);
+    p.b = relative.toWorld(supportOf(b, tablesB, halfB, -relative.unrotate(d), seedB));
+    p.vertexA = seedA;
+    p.vertexB = seedB;
     p.w = p.a - p.b;
     return p;
   }
@@ -70,10 +72,19 @@ class Difference {
   double depth(const Vec3& n) { return support(n).w.dot(n); }
 
  private:
-  static Vec3 supportOf(const Shape& shape, const PolyhedronTables* tables, const Vec3& d, std::int32_t& seed) {
-    if (!tables) return shape.support(d);
-    seed = climbToSupport(*tables, d, seed);
-    return tables->vertices[static_cast<std::size_t>(seed)];
+  static Vec3 supportOf(const Shape& shape, const PolyhedronTables* tables, const Vec3* half, const Vec3& d,
+                        std::int32_t& seed) {
+    if (tables) {
+      seed = climbToSupport(*tables, d, std::max(seed, 0));
+      return tables->vertices[static_cast<std::size_t>(seed)];
+    }
+    if (half) {
+      // A cuboid's corner is numbered by the signs of its coordinates.
+      seed = (d.x() > 0) + 2 * (d.y() > 0) + 4 * (d.z() > 0);
+      return {d.x() > 0 ? half->x() : -half->x(), d.y() > 0 ? half->y() : -half->y(),
+              d.z() > 0 ? half->z() : -half->z()};
+    }
+    return shape.support(d);
   }
 
   const Shape& a;
@@ -81,7 +92,9 @@ class Difference {
   Frame relative;
   const PolyhedronTables* tablesA = nullptr;
   const PolyhedronTables* tablesB = nullptr;
-  std::int32_t seedA = 0, seedB = 0;
+  const Vec3* halfA = nullptr;
+  const Vec3* halfB = nullptr;
+  std::int32_t seedA = -1, seedB = -1;
 };
 
 }  // namespace granular

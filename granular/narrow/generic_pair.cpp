@@ -55,7 +55,7 @@ SearchResult searchConvex(Difference& c, const Vec3& guess, const PenetrationAns
 
   if (!certified) ++counts.uncertified;
   if (proposal && !proposal->penetrating) ++counts.missed;
-  if (proposal && (!proposalStands || replaced)) ++counts.fallbacks;
+  if (proposal && proposal->penetrating && (!proposalStands || replaced)) ++counts.fallbacks;
   return out;
 }
 
@@ -87,7 +87,7 @@ bool touchConvex(const PairView& pair, WarmCache& cache, NarrowCounts& counts, T
   // Cold: a separating direction ends it.
   if (cache.kind == WarmCache::cold) ++counts.cold;
   const Vec3 guess = guessNormal(c, cache);
-  const Nearest nearest = findNearest(c, Vec3::Zero(), -guess, separationPrecision);
+  const Nearest nearest = findNearest(c, Vec3::Zero(), guess, separationPrecision);
   if (nearest.gap > 0) return reportApart(nearest.direction, nearest.gap, cache);
 
   // A contact is born with Bullet's answer; a running one is searched from its own normal.

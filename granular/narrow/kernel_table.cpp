@@ -9,6 +9,7 @@ namespace {
 
 constexpr PairKernel none = nullptr;
 constexpr PairKernel convex = touchConvex;
+constexpr PairKernel flat = touchPolyhedra;
 
 constexpr std::array<std::array<PairKernel, shapeKindCount>, shapeKindCount> kernelTable{{
     // sphere       ellipsoid  cylinder  cone    cuboid  polyhedron  bullet
@@ -16,8 +17,8 @@ constexpr std::array<std::array<PairKernel, shapeKindCount>, shapeKindCount> ker
     {none, convex, convex, convex, convex, convex, convex},          // ellipsoid
     {none, none, convex, convex, convex, convex, convex},            // cylinder
     {none, none, none, convex, convex, convex, convex},              // cone
-    {none, none, none, none, convex, convex, convex},                // cuboid
-    {none, none, none, none, none, convex, convex},                  // polyhedron
+    {none, none, none, none, flat, flat, convex},                    // cuboid
+    {none, none, none, none, none, flat, convex},                    // polyhedron
     {none, none, none, none, none, none, convex},                    // bullet
 }};
 

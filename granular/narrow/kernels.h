@@ -21,6 +21,7 @@ struct PairView {
 using PairKernel = bool (*)(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
 
 bool touchSpheres(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
+bool touchPolyhedra(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
 bool touchConvex(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
 
 /// A normal that turns by more than this from one look to the next is counted: cosine of 30 degrees.
