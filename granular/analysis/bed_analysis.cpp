@@ -219,7 +219,8 @@ void measureOrders(const Setting& s, const std::vector<Director>& directors, Bed
       {"order_s4_z", "1", "S4 of the directors against the vertical, all particles.", dropUndefined(z.s4)});
   a.quantities.push_back({"order_nematic", "1", "Largest eigenvalue of <3 u u^T - 1>/2 over all directors.",
                           dropUndefined(measureNematicOrder(directors))});
-  if (!s.section.walled()) return;
+  if (z.count == 0) a.notes.push_back("Spheres have no director: no order parameters.");
+  if (z.count == 0 || !s.section.walled()) return;
   a.tables.push_back(tabulateRadialOrder(directors, s.regions, depth, bin));
   a.tables.push_back(tabulateCumulativeOrder(directors, s.regions, depth, bin));
   a.tables.push_back(tabulatePlaneOrder(directors, s.regions, s.options.alphaStep));

@@ -38,7 +38,8 @@ const std::vector<std::string> orderColumns = {"particles", "s2_r", "s2_r_error"
 constexpr const char* directorText =
     " Director: minor axis for aspect < 1, else major axis (S appendix B); irregular bodies: the principal axis whose "
     "moment "
-    "differs most. Distance: of the centre of mass from the side wall. Errors: standard, particles taken as "
+    "differs most; spheres are left out. Distance: of the centre of mass from the side wall. Errors: standard, "
+    "particles taken as "
     "independent.";
 
 }  // namespace
@@ -49,7 +50,9 @@ std::vector<Director> collectDirectors(const Bed& bed, const CrossSection& secti
   for (std::size_t i = 0; i < bed.size(); ++i) {
     const Vec3& x = bed.frames[i].x;
     Director director;
-    director.direction = bed.frames[i].rotate(bed.shapes[i]->director());
+    director.direction = Vec3::Zero();
+    if (bed.shapes[i]->kind() != ShapeKind::sphere)
+      director.direction = bed.frames[i].rotate(bed.shapes[i]->director());
     director.radial = Vec3::Zero();
     if (section.walled()) director.radial.head<2>() = section.outward(x.head<2>());
     director.tangential = Vec3::UnitZ().cross(director.radial);
@@ -67,7 +70,7 @@ Order measureOrder(const std::vector<Director>& directors, const std::function<V
   for (const Director& director : directors) {
     if (!keep(director)) continue;
     const Vec3 a = axis(director);
-    if (a.squaredNorm() < 0.5) continue;
+    if (a.isZero() || director.direction.isZero()) continue;
     const double c2 = std::pow(director.direction.dot(a), 2);
     const double p2 = 0.5 * (3 * c2 - 1), p4 = 0.125 * ((35 * c2 - 30) * c2 + 3);
     sum2 += p2;
@@ -85,11 +88,15 @@ Order measureOrder(const std::vector<Director>& directors, const std::function<V
 }
 
 double measureNematicOrder(const std::vector<Director>& directors) {
-  if (directors.empty()) return undefined;
   Mat3 q = Mat3::Zero();
-  for (const Director& d : directors) q += 1.5 * d.direction * d.direction.transpose();
-  q /= static_cast<double>(directors.size());
-  q -= 0.5 * Mat3::Identity();
+  double count = 0;
+  for (const Director& d : directors) {
+    if (d.direction.isZero()) continue;
+    q += 1.5 * d.direction * d.direction.transpose();
+    count += 1;
+  }
+  if (count == 0) return undefined;
+  q = q / count - 0.5 * Mat3::Identity();
   return Eigen::SelfAdjointEigenSolver<Mat3>(q, Eigen::EigenvaluesOnly).eigenvalues()[2];
 }
 

@@ -12,7 +12,7 @@ namespace granular {
 
 /// A particle as the order parameters see it.
 struct Director {
-  Vec3 direction;   ///< unit, world axes; its sign has no meaning
+  Vec3 direction;   ///< unit, world axes; its sign has no meaning; zero for a sphere, which has none
   Vec3 radial;      ///< unit, towards the side wall; zero on the axis or without a wall
   Vec3 tangential;  ///< unit, azimuthal: vertical x radial
   double distance;  ///< of the centre from the side wall, m
@@ -26,6 +26,7 @@ struct Order {
   double s2Error = 0, s4Error = 0;
 };
 
+/// One per particle, in order.
 std::vector<Director> collectDirectors(const Bed& bed, const CrossSection& section, double floor);
 
 /// Order of the directors against an axis of their own, over those that keep() accepts. Directors whose axis is zero
@@ -33,7 +34,8 @@ std::vector<Director> collectDirectors(const Bed& bed, const CrossSection& secti
 Order measureOrder(const std::vector<Director>& directors, const std::function<Vec3(const Director&)>& axis,
                    const std::function<bool(const Director&)>& keep);
 
-/// Largest eigenvalue of Q = <3 u u^T - 1>/2 over all directors: the nematic order about whatever axis is common.
+/// Largest eigenvalue of Q = <3 u u^T - 1>/2 over all directors: the nematic order about whatever axis is common; NaN
+/// without directors.
 double measureNematicOrder(const std::vector<Director>& directors);
 
 /// S2_r, S4_r and S2_z per annular bin (S eq. B.1), over all particles; bins of the given thickness, m.

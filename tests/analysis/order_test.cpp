@@ -119,6 +119,20 @@ TEST(Order, InABoxTheRadiusPointsToTheNearestSideWall) {
   EXPECT_NEAR(measureRadial(directors).s2, (1 + 1 - 0.5) / 3, 1e-12);
 }
 
+TEST(Order, SpheresHaveNone) {
+  OwnedBed owned = makeCubicSpheres({4, 4, 9});
+  const BedAnalysis spheres = analyseBed(owned.bed);
+  EXPECT_EQ(findTable(spheres, "order_radial"), nullptr);
+  EXPECT_FALSE(findQuantity(spheres, "order_s2_r").has_value());
+  EXPECT_FALSE(findQuantity(spheres, "order_nematic").has_value());
+
+  // Beside other particles they are left out of every mean.
+  const Cuboid rod(Vec3(0.1, 0.1, 0.3));
+  owned.bed.shapes[5] = &rod;
+  owned.bed.frames[5].R = Quat::FromTwoVectors(rod.director(), Vec3::UnitZ()).toRotationMatrix();
+  EXPECT_NEAR(*findQuantity(analyseBed(owned.bed), "order_s2_z"), 1, 1e-12);
+}
+
 TEST(Order, WithoutAWallThereIsNoRadialOrder) {
   OwnedBed owned = makeCubes({4, 4, 9});
   makePeriodic(owned.bed);
