@@ -1,0 +1,64 @@
+// One body's surface as the contact sees it: flat pieces above the contact plane, as polygons with a height, a straight
+// piece, or a point. The polyhedra walk from face to face by their tables; other shapes show the one feature that
+// supports.
+#pragma once
+
+#include "granular/pair/touch.h"
+#include "granular/point/polygon.h"
+#include "granular/shape/polyhedron.h"
+
+namespace granular {
+
+/// The plane through the middle of the deepest overlap, normal to the contact: in-plane axes u and v = n x u.
+struct ContactPlane {
+  Vec3 origin, u, v, n;
+
+  explicit ContactPlane(const Touch& touch)
+      : origin(0.5 * (touch.onA + touch.onB)),
+        u(perpendicular(touch.normal)),
+        v(touch.normal.cross(u)),
+        n(touch.normal) {}
+  Vec2 project(const Vec3& p) const { return {u.dot(p - origin), v.dot(p - origin)}; }
+  Vec3 lift(const Vec2& x, double height) const { return origin + x.x() * u + x.y() * v + height * n; }
+};
+
+/// Faces steeper than this cosine to the normal are left out: the overlap reaches under them by less than a tenth of
+/// itself.
+inline constexpr double steepestCosine = 0.1;
+
+/// Body A is seen from above (sign 1), body B from below (sign -1).
+class SurfaceSide {
+ public:
+  SurfaceSide(const ContactPlane& plane, const Shape& shape, const Frame& frame, double sign);
+
+  /// 1: a point, 2: a segment, 3: flat faces.
+  int dimension() const { return kind; }
+
+  /// The face under the origin of the contact plane, or -1: nothing here faces the other body.
+  std::int32_t findStartFace() const;
+  /// The corners of a face in the contact plane, counter-clockwise. An edge is named by the face f beyond it: f for
+  /// body A, -2 - f for body B, noEdge where there is none or it is too steep.
+  void projectFace(std::int32_t face, Polygon& out) const;
+  /// Height of a face over the contact plane; of a segment: along it, the same at all places beside it.
+  Linear findHeight(std::int32_t face) const;
+  /// All faces around the deepest point that are not too steep, into out; returns their number.
+  int findFacesAround(std::array<std::int32_t, Feature::capacity>& out) const;
+
+  /// Dimension 2 alone.
+  const Segment& segment() const { return line; }
+
+ private:
+  bool faces(std::int32_t face) const;
+
+  const PolyhedronTables* tables = nullptr;  // null: one feature
+  Mat3 rotation;                             // body axes to plane axes
+  Vec3 shift;                                // body origin in plane axes
+  double sign;
+  int kind = 3;
+  std::int32_t deepest = 0;  // vertex of the tables
+  Polygon polygon;           // one feature: its corners and height
+  Linear height;
+  Segment line;
+};
+
+}  // namespace granular

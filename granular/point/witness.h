@@ -1,0 +1,19 @@
+// The deepest point, halfway between the two surfaces: what most DEM codes take.
+#pragma once
+
+#include "granular/point/contact_point.h"
+
+namespace granular {
+
+/// A point contact at x.
+inline void placePoint(const Vec3& x, const Vec3& u, ContactPatch& out) {
+  out.point = out.centre = x;
+  out.u = u;
+  out.area = out.uu = out.vv = out.uv = 0;
+}
+
+inline void placeWitness(const Touch& touch, ContactPatch& out) {
+  placePoint(0.5 * (touch.onA + touch.onB), perpendicular(touch.normal), out);
+}
+
+}  // namespace granular
