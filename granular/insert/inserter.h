@@ -35,7 +35,10 @@ struct PourOptions {
   std::optional<double> height;
   double speed = 0;      ///< downwards, m/s
   bool upright = false;  ///< body z axis along world z, random about it; else uniform orientations
-  int attempts = 200;    ///< columns tried for one particle before it waits for the next call
+  /// Particles reach no higher than this many of their longest extents above the bed's top (or the plane given).
+  double reach = 3;
+  int attempts = 50;    ///< columns tried for one particle before it is left to a later call
+  double retry = 5e-3;  ///< and time until that call, s
 };
 
 /// Plain data: with the options, all there is to save.
@@ -46,6 +49,7 @@ struct PourState {
   std::int64_t calls = 0;      ///< calls of insert() that tried to place something
   std::int64_t attempts = 0;   ///< columns tried
   std::int64_t postponed = 0;  ///< times a particle found no place and was left to a later call
+  double nextTime = 0;         ///< no placement before, s
 };
 
 struct NewParticle {
@@ -84,9 +88,10 @@ class Inserter {
 
  private:
   void checkOptions() const;
-  void checkExtents() const;
-  std::int64_t dueNow(double time, bool consolidated) const;
-  bool place(const Columns& columns, NewParticle& particle, Random& random);
+  void checkExtents();
+  void beginBatch();
+  std::int64_t countDue(double time) const;
+  bool place(const Columns& columns, double bedTop, NewParticle& particle);
 
   PourOptions options;
   std::vector<PourGroup> groups;
@@ -95,6 +100,7 @@ class Inserter {
   std::uint64_t seed;
   std::int64_t total = 0;
   std::vector<std::int32_t> order;  ///< group of each particle: every group's count, shuffled
+  double largestRadius = 0;  ///< half the longest extent of any particle to come, m, with room for a lopsided one
   PourState progress;
 };
 

@@ -29,8 +29,8 @@ struct Region {
   Vec2 drawPoint(Random& random) const;
   /// True if the placed shape lies inside. Exact for flat sides; the round side is searched from sixteen azimuths.
   bool holds(const Shape& shape, const Frame& frame) const;
-  /// The horizontal vector from a to b, by the nearest image.
-  Vec3 nearest(const Vec3& from, const Vec3& to) const;
+  /// The image of a point that lies in the region, where it repeats.
+  Vec3 wrap(const Vec3& p) const;
 };
 
 /// A particle that is there.
@@ -42,38 +42,36 @@ struct PlacedShape {
 /// The particles of a region, found by column. Grows as particles are placed.
 class Columns {
  public:
-  /// Keeps references to walls, which may be empty. largestRadius: bounding radius of the largest particle that will be
-  /// asked about or added, m.
-  Columns(const Region& region, std::span<const Wall* const> walls, double largestRadius);
+  /// walls may be empty and must outlive this. largestRadius: bounding radius of the largest particle that will be
+  /// added or asked about, m.
+  Columns(const Region& region, std::vector<const Wall*> walls, double largestRadius);
 
   void add(const Shape& shape, const Frame& frame);
 
   /// Top of the highest particle, or the floor, m.
   double top() const { return highest; }
 
-  /// True if the placed shape lies in the region and overlaps nothing.
+  /// True if the placed shape lies in the region, touches no wall and overlaps nothing. Where the region repeats, the
+  /// position may be any image.
   bool isFree(const Shape& shape, const Frame& frame) const;
 
-  /// Lets the shape down its column, from above everything, in steps of a quarter of its inner radius, to the last free
-  /// pose above the first that is not, or to where its lowest point reaches `lowest` (m). Returns false if even the
-  /// start is not free (it does not fit sideways). Sets frame.x.z().
+  /// Lets the shape down its column, from above everything and in steps of a quarter of its inner radius, to the last
+  /// free pose before the first that is not, or to where its lowest point is at `lowest` (m). Sets frame.x.z(); false
+  /// if the start is not free: the shape does not fit sideways.
   bool letDown(const Shape& shape, double lowest, Frame& frame) const;
 
-  std::size_t size() const { return placed.size(); }
-
  private:
-  /// Calls visit(index) for each particle whose column a circle may meet, until it returns false.
-  template <typename Visit>
-  bool visitNear(const Vec3& centre, double radius, Visit visit) const;
-  std::int64_t cellOf(std::int64_t i, std::int64_t j) const;
+  std::vector<std::int32_t> findNear(const Vec3& centre, double radius) const;
+  void addOne(const Shape& shape, const Frame& frame);
   bool touchesWall(const Shape& shape, const Frame& frame) const;
-  bool overlapsAny(const Shape& shape, const Frame& frame, std::span<const std::int32_t> candidates) const;
+  bool overlapsAny(const Shape& shape, const Frame& frame, const std::vector<std::int32_t>& candidates) const;
+  std::int64_t cellOf(double x, double y) const;
 
   Region region;
-  std::span<const Wall* const> walls;
-  double cell, highest, largest;
-  std::int64_t cellsX = 0, cellsY = 0;  ///< repeating directions: cells around; else 0
-  std::vector<PlacedShape> placed;
+  std::vector<const Wall*> walls;
+  double cell, highest;
+  double reach;                     ///< bounding radius of the largest particle, m
+  std::vector<PlacedShape> placed;  ///< and their images near repeating sides
   std::unordered_map<std::int64_t, std::vector<std::int32_t>> cells;
 };
 

@@ -1,9 +1,10 @@
-// Poses given by a user or taken from an earlier bed: do they overlap, stick in a wall, or leave the region?
+// Poses given by a user or taken from an earlier bed: do they overlap, or stick in a wall?
 #pragma once
 
 #include <span>
 
 #include "granular/insert/placement.h"
+#include "granular/search/search.h"
 
 namespace granular {
 
@@ -14,13 +15,13 @@ struct PoseOverlap {
 };
 
 /// Every pair that overlaps by more than `allowed` of its smaller size (see Shape::size), deepest first. ids: one per
-/// particle. The region says what repeats.
+/// particle.
 std::vector<PoseOverlap> findOverlaps(std::span<const PlacedShape> particles, std::span<const std::int64_t> ids,
-                                      const Region& region, double allowed);
+                                      const Periods& periods, double allowed);
 
 /// Throws InputError naming the ten deepest overlaps beyond `allowed`, by id and depth, and how many there are; or a
 /// particle that pokes through a wall by more than `allowed` of its size, or lies behind one.
-void checkPoses(std::span<const PlacedShape> particles, std::span<const std::int64_t> ids, const Region& region,
+void checkPoses(std::span<const PlacedShape> particles, std::span<const std::int64_t> ids, const Periods& periods,
                 std::span<const Wall* const> walls, double allowed);
 
 }  // namespace granular
