@@ -1,0 +1,102 @@
+// Reads a scanned mesh, reports what was found, repaired and measured, and shows mesh and hull side by side.
+#include "granular/mesh/rock.h"
+
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "granular/core/errors.h"
+#include "granular/mesh/mesh_file.h"
+
+extern char** environ;
+
+namespace {
+
+void writeText(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream out(path);
+  out << text;
+  out.close();
+  if (!out) throw granular::InputError("output " + path.string() + ": can't be written");
+}
+
+// Runs a program and waits; true if it ended with 0.
+bool runProgram(const std::vector<std::string>& words) {
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  pid_t process = 0;
+  if (::posix_spawnp(&process, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) return false;
+  int status = 0;
+  return ::waitpid(process, &status, 0) == process && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+// The picture is drawn by VTK in a virtual display; without these the rest stands.
+void drawPicture(const std::filesystem::path& out) {
+  const std::string script = std::string(GRANULAR_PLOTS_DIR) + "/render_rock.py";
+  std::fflush(stdout);
+  if (runProgram({"xvfb-run", "-a", "/usr/bin/python3", script, out.string()})) {
+    std::printf("picture    %s\n", (out / "rock.png").c_str());
+  } else {
+    std::printf("picture    not drawn: it needs Debian's xvfb, xauth and python3-vtk9, and %s\n", script.c_str());
+  }
+}
+
+void run(const std::string& mesh, const std::filesystem::path& out, const granular::RockOptions& options) {
+  const granular::Rock rock = granular::loadRock(mesh, options);
+  const std::string report = granular::formatReport(rock.report);
+  std::fputs(report.c_str(), stdout);
+
+  std::error_code error;
+  std::filesystem::create_directories(out, error);
+  if (error) throw granular::InputError("output " + out.string() + ": " + error.message());
+  writeText(out / "report.txt", report);
+  writeText(out / "report.json", granular::reportToJson(rock.report));
+  granular::writeMesh((out / "mesh.stl").string(), rock.mesh);
+  granular::writeMesh((out / "hull.stl").string(), rock.hull);
+  granular::writeMesh((out / "body.stl").string(), rock.contactHull);
+  std::printf("written    %s: report.txt, report.json, mesh.stl, hull.stl, body.stl (m)\n", out.c_str());
+  drawPicture(out);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Reads a scanned mesh (OBJ, STL, PLY, OFF, glTF, GLB), repairs it and makes a convex body of it.\n"
+      "Writes report.txt, report.json, mesh.stl (repaired), hull.stl (full), body.stl (what contacts see), rock.png.\n"
+      "Exit codes: 0 done, 1 the mesh or the output folder can't be used, 2 a problem of the program; others: wrong "
+      "options.");
+  std::string mesh, out;
+  granular::RockOptions options;
+  bool exact = false, keepSubset = false;
+  app.add_option("mesh", mesh, "the mesh file")->required();
+  app.add_option("--out", out, "folder for the results")->required();
+  app.add_option("--unit", options.unit, "unit of the file: m dm cm mm um nm km in ft")->capture_default_str();
+  app.add_option("--scale", options.scale, "factor on the file's coordinates")->capture_default_str();
+  auto* extent = app.add_option("--extent", options.longestExtent, "scale the body to this longest extent, m");
+  app.add_option("--diameter", options.equalVolumeDiameter,
+                 "scale the body to the volume of a sphere of this diameter, m")
+      ->excludes(extent);
+  app.add_option("--vertices", options.vertexBudget, "most vertices of the hull that contacts see")
+      ->capture_default_str();
+  app.add_flag("--subset", keepSubset,
+               "leave a reduced hull inside the full one instead of scaling it to the full volume");
+  app.add_flag("--exact", exact, "mass properties of the closed mesh itself, contacts with its full hull");
+  CLI11_PARSE(app, argc, argv);
+  options.use = exact ? granular::RockUse::exact : granular::RockUse::hull;
+  options.matchVolume = !keepSubset;
+  try {
+    run(mesh, out, options);
+  } catch (const granular::InputError& error) {
+    std::fprintf(stderr, "rock: %s\n", error.what());
+    return 1;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rock: unexpected: %s\n", error.what());
+    return 2;
+  }
+  return 0;
+}
