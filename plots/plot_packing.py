@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Draws the profiles of a packing from its CSV tables, one PNG each.
 
 usage: plot_packing.py DIR [--out DIR]

@@ -155,6 +155,25 @@ void listPositions(const BedAnalysis& a, const Setting& s, std::vector<Quantity>
       {"sampled_points", "1", "Points at which the porosity was asked for.", static_cast<double>(s.samples.points)});
 }
 
+/// The vessel itself, so that what reads the results can draw it.
+void listVessel(const Setting& s, std::vector<Quantity>& list) {
+  const Vessel& vessel = s.bed.vessel;
+  if (vessel.kind == Vessel::Kind::none) return;
+  list.push_back(
+      {"vessel_floor_m", "m", "Height of the vessel's floor (periodic in height: lower end of the period).", s.floor});
+  if (vessel.kind == Vessel::Kind::cylinder) {
+    list.push_back({"vessel_radius_m", "m", "Inner radius of the vessel.", vessel.radius});
+    list.push_back({"vessel_axis_x_m", "m", "x of the vessel's axis.", vessel.axis.x()});
+    list.push_back({"vessel_axis_y_m", "m", "y of the vessel's axis.", vessel.axis.y()});
+    return;
+  }
+  const std::string side = vessel.kind == Vessel::Kind::box ? "side wall." : "period.";
+  list.push_back({"vessel_lo_x_m", "m", "x of the lower " + side, vessel.lo.x()});
+  list.push_back({"vessel_lo_y_m", "m", "y of the lower " + side, vessel.lo.y()});
+  list.push_back({"vessel_hi_x_m", "m", "x of the upper " + side, vessel.hi.x()});
+  list.push_back({"vessel_hi_y_m", "m", "y of the upper " + side, vessel.hi.y()});
+}
+
 /// Mean of neighbours over the particles whose centre lies in the core.
 std::optional<double> averageCoreCoordination(const ContactNetwork& network, const std::vector<Director>& directors,
                                               const Regions& regions) {
@@ -256,6 +275,7 @@ BedAnalysis analyseBed(const Bed& bed, const AnalysisOptions& options) {
     a.solid = measureSolidFractions(bed, s.section, s.samples, a.filling, s.regions);
   }
   listPositions(a, s, a.quantities);
+  listVessel(s, a.quantities);
   if (s.section.walled()) a.tables.push_back(tabulateRadialPorosity(s, a.filling, a.solid.core));
   a.tables.push_back(tabulateAxialPorosity(s));
 

@@ -195,6 +195,8 @@ TEST(RadialPorosity, StacksOfCubesAreSquaresInEveryDisc) {
   // Every disc is sampled at other phases: the mean over some hundreds of them is good to a few thousandths of a
   // spacing.
   EXPECT_NEAR(a.filling.equivalent, 20, 1e-3);
+  EXPECT_EQ(*findQuantity(a, "vessel_radius_m"), 1.6);
+  EXPECT_FALSE(findQuantity(a, "vessel_lo_x_m").has_value());
   const Table* table = findTable(a, "radial_porosity");
   ASSERT_NE(table, nullptr);
   for (const std::vector<double>& row : table->rows) {
