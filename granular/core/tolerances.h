@@ -14,13 +14,14 @@ inline constexpr double certificate = 1e-9;
 /// the axes given as they can. Neglects products of inertia below this; rounding of a mesh's moments is about 1e-14.
 inline constexpr double equalMoments = 1e-11;
 
-/// Relative to the largest extent: a set of points thinner than this is flat.
-/// Also how far a point must stand out of the hull of the others to count as a vertex: the normal of a face of width w is
-/// known to eps/w, so w = sqrt(eps) is where what is neglected equals what is known (for 5 mm, less than an atom).
-inline constexpr double hullWidth = 1e-8;
+/// Relative to the largest extent of a set of points: a set thinner than this is flat, a point that stands out of the
+/// hull of the others by less is no vertex, and hull faces that are flat to this are made planar. Single-precision mesh
+/// files round coordinates to 6e-8; a few such errors add up. (For a particle of 5 mm: 2 nm.)
+inline constexpr double hullWidth = 4e-7;
 
-/// Relative to the largest extent: how far a hull vertex may lie above a hull face. Twice eps / hullWidth, rounded up.
-inline constexpr double hullConvexity = 1e-7;
+/// Relative to the largest extent: how far a hull vertex may lie above the plane of a hull face. The normal of a face
+/// of width w is known to eps/w, 5e-10 for the narrowest.
+inline constexpr double hullConvexity = 2e-9;
 
 /// Relative to the bounding radius: a point this far outside still counts as on the surface. Covers the rounding of a
 /// support point (a few eps), nothing else.
@@ -30,8 +31,9 @@ inline constexpr double onSurface = 1e-14;
 /// up to about 1e-7 in each direction.
 inline constexpr double zeroVolume = 1e-6;
 
-/// Relative to the largest coordinate: triangles of a wall mesh whose corners leave a plane by no more lie in one facet.
-/// Files hold single precision, 6e-8 per coordinate; three corners and the tilt of the plane through them add up to some 4e-7.
+/// Relative to the largest coordinate: triangles of a wall mesh whose corners leave a plane by no more lie in one
+/// facet. Files hold single precision, 6e-8 per coordinate; three corners and the tilt of the plane through them add up
+/// to some 4e-7.
 inline constexpr double coplanar = 1e-6;
 
 }  // namespace granular::tolerance

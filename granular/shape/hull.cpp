@@ -1,17 +1,17 @@
 // Qhull merges facets that are coplanar to rounding; what it leaves is cleaned (corners on straight edges), checked
-// (closed, convex), and where near-degenerate points spoil the check, rebuilt without the flattest of them.
+// (closed, convex), and where near-degenerate points spoil the check, built again with a larger tolerance of flatness.
 #include "granular/shape/hull.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <csetjmp>
 #include <cstdio>
-#include <numeric>
 #include <string>
 #include <utility>
 
 #include "granular/core/errors.h"
 #include "granular/core/tolerances.h"
+#include "granular/shape/flat_faces.h"
 
 extern "C" {
 #include <libqhull_r/qhull_ra.h>
@@ -21,7 +21,7 @@ namespace granular {
 
 namespace {
 
-using Corners = std::vector<std::int32_t>;
+using Corners = FaceCorners;
 
 /// Corner lists of Qhull's facets, indices into the points, one facet after the other.
 struct RawFaces {
@@ -48,15 +48,15 @@ bool readFacets(qhT* qh, RawFaces& raw) {
   return true;
 }
 
-/// Runs Qhull on normalised points. Returns false when Qhull gives up.
-bool runQhull(std::span<const Vec3> points, RawFaces& raw) {
+/// Runs Qhull on normalised points; a point that stands out by less than width is no vertex. False when Qhull gives up.
+bool runQhull(std::span<const Vec3> points, double width, RawFaces& raw) {
   std::vector<coordT> coordinates;
   coordinates.reserve(3 * points.size());
   for (const Vec3& p : points) coordinates.insert(coordinates.end(), {p.x(), p.y(), p.z()});
 
   // Pp: no precision warnings; W: a point less than this above a facet is no vertex. Messages go to a scratch file.
   char options[64];
-  std::snprintf(options, sizeof options, "qhull Pp W%.3g", tolerance::hullWidth);
+  std::snprintf(options, sizeof options, "qhull Pp W%.3g", width);
   std::FILE* messages = std::tmpfile();
   qhT state;
   qhT* qh = &state;
@@ -84,18 +84,7 @@ std::vector<Corners> cleanFaces(std::span<const Vec3> points, const RawFaces& ra
   for (std::int32_t c : raw.corners) inside += points[static_cast<std::size_t>(c)];
   inside /= static_cast<double>(raw.corners.size());
 
-  for (bool again = true; again;) {
-    again = false;
-    std::vector<int> uses(points.size(), 0);
-    for (const Corners& face : faces) {
-      for (std::int32_t c : face) ++uses[static_cast<std::size_t>(c)];
-    }
-    for (Corners& face : faces) {
-      const auto dropped = std::erase_if(face, [&](std::int32_t c) { return uses[static_cast<std::size_t>(c)] < 3; });
-      again = again || dropped > 0;
-    }
-    std::erase_if(faces, [](const Corners& face) { return face.size() < 3; });
-  }
+  dropIdleCorners(points.size(), faces);
   for (Corners& face : faces) {
     const Vec3 normal = polygonNormal(points, face);
     if (normal.dot(points[static_cast<std::size_t>(face[0])] - inside) < 0) std::reverse(face.begin(), face.end());
@@ -105,65 +94,46 @@ std::vector<Corners> cleanFaces(std::span<const Vec3> points, const RawFaces& ra
 
 /// True if every directed edge occurs once and its reverse once, and Euler's formula holds.
 bool isClosed(const std::vector<Corners>& faces) {
-  std::vector<std::pair<std::int32_t, std::int32_t>> edges;
+  const std::vector<FaceSide> sides = faceSides(faces);
   Corners used;
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    const FaceSide& side = sides[k];
+    if (used.empty() || used.back() != side.from) used.push_back(side.from);
+    if (k > 0 && sides[k - 1].from == side.from && sides[k - 1].to == side.to) return false;
+    const auto back = std::lower_bound(sides.begin(), sides.end(), FaceSide{side.to, side.from, -1});
+    if (back == sides.end() || back->from != side.to || back->to != side.from) return false;
+  }
+  return used.size() + faces.size() == sides.size() / 2 + 2;
+}
+
+/// True if no vertex lies above a face by more than tolerated (normalised points: the half extent is 1). Of a very
+/// large hull only the faces next to each other are compared, which is enough for a closed surface.
+bool isConvex(std::span<const Vec3> points, const std::vector<Corners>& faces) {
+  const std::vector<FaceSide> sides = faceSides(faces);
+  Corners all;
+  for (const FaceSide& side : sides) {
+    if (all.empty() || all.back() != side.from) all.push_back(side.from);
+  }
+  const bool large = all.size() * faces.size() > 4000000;
   for (const Corners& face : faces) {
-    for (std::size_t k = 0; k < face.size(); ++k) {
-      edges.emplace_back(face[k], face[(k + 1) % face.size()]);
-      used.push_back(face[k]);
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
-  for (std::size_t k = 0; k < edges.size(); ++k) {
-    if (k > 0 && edges[k] == edges[k - 1]) return false;
-    if (!std::binary_search(edges.begin(), edges.end(), std::pair(edges[k].second, edges[k].first))) return false;
-  }
-  return used.size() + faces.size() == edges.size() / 2 + 2;
-}
-
-/// The face with a vertex furthest above its plane, if further than tolerated; -1 if the hull is convex.
-/// (Normalised points: the half extent is 1.)
-int leastConvexFace(std::span<const Vec3> points, const std::vector<Corners>& faces) {
-  Corners used;
-  for (const Corners& face : faces) used.insert(used.end(), face.begin(), face.end());
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
-
-  int worst = -1;
-  double most = 2 * tolerance::hullConvexity;
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    const Vec3 normal = polygonNormal(points, faces[f]);
+    const Vec3 normal = polygonNormal(points, face);
     double offset = infinity;
-    for (std::int32_t c : faces[f]) offset = std::min(offset, normal.dot(points[static_cast<std::size_t>(c)]));
-    for (std::int32_t v : used) {
-      const double above = normal.dot(points[static_cast<std::size_t>(v)]) - offset;
-      if (!(above <= most)) {
-        most = above;
-        worst = static_cast<int>(f);
-      }
+    for (std::int32_t c : face) offset = std::min(offset, normal.dot(points[static_cast<std::size_t>(c)]));
+    const auto isBelow = [&](std::int32_t v) {
+      return normal.dot(points[static_cast<std::size_t>(v)]) - offset <= 2 * tolerance::hullConvexity;
+    };
+    if (!large) {
+      if (!std::all_of(all.begin(), all.end(), isBelow)) return false;
+      continue;
+    }
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const FaceSide back{face[(k + 1) % face.size()], face[k], -1};
+      const auto across = std::lower_bound(sides.begin(), sides.end(), back);
+      const Corners& next = faces[static_cast<std::size_t>(across->face)];
+      if (!std::all_of(next.begin(), next.end(), isBelow)) return false;
     }
   }
-  return worst;
-}
-
-/// The corner of a face nearest to the line through its two neighbours: what makes a sliver of it.
-std::int32_t flattestCorner(std::span<const Vec3> points, const Corners& face) {
-  std::int32_t flattest = face[0];
-  double least = infinity;
-  const std::size_t n = face.size();
-  for (std::size_t k = 0; k < n; ++k) {
-    const Vec3& p = points[static_cast<std::size_t>(face[k])];
-    const Vec3 before = points[static_cast<std::size_t>(face[(k + n - 1) % n])] - p;
-    const Vec3 after = points[static_cast<std::size_t>(face[(k + 1) % n])] - p;
-    const double height = before.cross(after).norm() / std::max((after - before).norm(), 1e-300);
-    if (height < least) {
-      least = height;
-      flattest = face[k];
-    }
-  }
-  return flattest;
+  return true;
 }
 
 /// Centre and half of the largest extent. Throws InputError for points that are too few, not finite, or in one place.
@@ -198,20 +168,20 @@ void requireSolid(std::span<const Vec3> points) {
   std::snprintf(ratio, sizeof ratio, "%.2g", (hi - lo) / 2);
   require((hi - lo) / 2 > tolerance::hullWidth, "convex hull: the " + std::to_string(points.size()) +
                                                     " points lie in a plane (thickness over extent " + ratio +
-                                                    ", more than 1e-8 is needed)");
+                                                    ", more than 4e-7 is needed)");
 }
 
-/// Faces in their final order; vertices renumbered in the order of the input.
-ConvexHull canonical(std::span<const Vec3> points, std::span<const std::int32_t> sources, std::vector<Corners> faces) {
+/// Faces in their final order; vertices renumbered in the order of the input, their coordinates left to be filled in.
+ConvexHull canonical(std::size_t pointCount, std::vector<Corners> faces) {
   ConvexHull hull;
-  std::vector<std::int32_t> number(points.size(), -1);
+  std::vector<std::int32_t> number(pointCount, -1);
   for (const Corners& face : faces) {
     for (std::int32_t c : face) number[static_cast<std::size_t>(c)] = 0;
   }
-  for (std::size_t k = 0; k < points.size(); ++k) {
+  for (std::size_t k = 0; k < pointCount; ++k) {
     if (number[k] < 0) continue;
     number[k] = static_cast<std::int32_t>(hull.sources.size());
-    hull.sources.push_back(sources[k]);
+    hull.sources.push_back(static_cast<std::int32_t>(k));
   }
   for (Corners& face : faces) {
     for (std::int32_t& c : face) c = number[static_cast<std::size_t>(c)];
@@ -243,34 +213,44 @@ std::vector<std::array<int, 3>> fanTriangles(const ConvexHull& hull) {
   return triangles;
 }
 
+namespace {
+
+/// The hull of normalised points with faces flat to width joined and flattened: faces over the points, and where the
+/// points have moved. False if it is not closed and convex.
+bool tryHull(std::span<const Vec3> points, double width, std::vector<Corners>& faces, std::vector<Vec3>& flat) {
+  RawFaces raw;
+  if (!runQhull(points, width, raw)) return false;
+  faces = joinFlatFaces(points, cleanFaces(points, raw), 2 * width);
+  dropIdleCorners(points.size(), faces);
+  if (faces.size() < 4 || !isClosed(faces)) return false;
+  flat.assign(points.begin(), points.end());
+  return flattenFaces(faces, flat) <= 8 * width && isConvex(flat, faces);
+}
+
+}  // namespace
+
 ConvexHull convexHull(std::span<const Vec3> points) {
   const auto [centre, half] = normalisation(points);
-  std::vector<Vec3> kept(points.size());
-  for (std::size_t k = 0; k < points.size(); ++k) kept[k] = (points[k] - centre) / half;
-  requireSolid(kept);
-  Corners sources(points.size());
-  std::iota(sources.begin(), sources.end(), 0);
+  std::vector<Vec3> normalised(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) normalised[k] = (points[k] - centre) / half;
+  requireSolid(normalised);
 
-  // as a rule the first attempt stands; each further one leaves out the corner that makes the worst sliver
-  for (std::size_t attempt = 0; attempt < 64 && kept.size() >= 4; ++attempt) {
-    RawFaces raw;
-    if (!runQhull(kept, raw)) break;
-    std::vector<Corners> faces = cleanFaces(kept, raw);
-    if (faces.size() < 4) break;
-    const bool closed = isClosed(faces);
-    const int bad = leastConvexFace(kept, faces);
-    if (closed && bad < 0) {
-      ConvexHull hull = canonical(kept, sources, std::move(faces));
-      for (std::int32_t s : hull.sources) hull.vertices.push_back(points[static_cast<std::size_t>(s)]);
-      std::vector<Vec3> normalised;
-      for (const Vec3& v : hull.vertices) normalised.push_back((v - centre) / half);
-      for (const Corners& face : hull.faces) hull.normals.push_back(polygonNormal(normalised, face));
-      return hull;
+  // as a rule the first width does; points whose noise is about as large make slivers, which a larger one takes away,
+  // and where nothing is to be joined the bare hull is as good
+  for (const double width : {tolerance::hullWidth, 10 * tolerance::hullWidth, 100 * tolerance::hullWidth, 1e-12}) {
+    std::vector<Corners> faces;
+    std::vector<Vec3> flat;
+    if (!tryHull(normalised, width, faces, flat)) continue;
+    ConvexHull hull = canonical(points.size(), std::move(faces));
+    std::vector<Vec3> corners;
+    for (std::int32_t source : hull.sources) {
+      const auto k = static_cast<std::size_t>(source);
+      corners.push_back(flat[k]);
+      // what was flat to rounding keeps its bits
+      hull.vertices.push_back(flat[k] == normalised[k] ? points[k] : Vec3(centre + half * flat[k]));
     }
-    const Corners& face = faces[static_cast<std::size_t>(std::max(bad, 0))];
-    const auto drop = flattestCorner(kept, face);
-    kept.erase(kept.begin() + drop);
-    sources.erase(sources.begin() + drop);
+    for (const Corners& face : hull.faces) hull.normals.push_back(polygonNormal(corners, face));
+    return hull;
   }
   throw InputError("convex hull: no closed convex surface found for " + std::to_string(points.size()) +
                    " points; they are too nearly degenerate");

@@ -77,7 +77,6 @@ TEST(BulletConvex, RoundBodiesAreMeasuredWithinTheErrorStated) {
       std::make_shared<Cylinder>(1e-3, 2.5e-3), std::make_shared<Cone>(1e-3, 3e-3)};
   for (const auto& shape : shapes) {
     const BulletConvex found(std::shared_ptr<const btConvexShape>(shape->makeBulletShape(1000)), 1e-3);
-    std::printf("%s: stated %.2g\n", shape->describe().c_str(), found.massError());
     EXPECT_LT(found.massError(), 5e-3);
     expectSameMeasures(found, *shape, 2 * found.massError());
     EXPECT_NEAR(found.boundingRadius(), shape->boundingRadius(), 1e-3 * shape->boundingRadius());
@@ -111,8 +110,6 @@ TEST(BulletConvex, ASuperellipsoidHasTheVolumeOfItsClosedForm) {
     const BulletConvex found(user, 1e-3);
     const double volume = 8 * 1.8e-9 * std::pow(std::tgamma(1 + 1 / power), 3) / std::tgamma(1 + 3 / power);
     EXPECT_NEAR(found.massProperties().volume / volume, 1, std::max(2 * found.massError(), 1e-3)) << power;
-    std::printf("superellipsoid %g: stated %.2g, true %.2g\n", power, found.massError(),
-                std::abs(found.massProperties().volume / volume - 1));
   }
 }
 

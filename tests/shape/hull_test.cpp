@@ -11,6 +11,7 @@
 
 #include "granular/core/errors.h"
 #include "granular/core/random.h"
+#include "granular/core/tolerances.h"
 
 namespace granular {
 namespace {
@@ -23,8 +24,10 @@ std::vector<Vec3> cubeCorners(double half) {
   return corners;
 }
 
-/// Every point below every face, every face planar, every edge shared by two faces, Euler's formula.
-void expectConvexAndClosed(const ConvexHull& hull, std::span<const Vec3> points, double size, double slack) {
+/// Every point below every face (slack), every face planar (both relative to size), every edge shared by two faces,
+/// Euler's formula.
+void expectConvexAndClosed(const ConvexHull& hull, std::span<const Vec3> points, double size, double slack,
+                           double planar = 4e-14) {
   std::map<std::pair<int, int>, int> edges;
   for (std::size_t f = 0; f < hull.faces.size(); ++f) {
     const auto& face = hull.faces[f];
@@ -32,7 +35,7 @@ void expectConvexAndClosed(const ConvexHull& hull, std::span<const Vec3> points,
     EXPECT_NEAR(n.norm(), 1, 1e-14);
     const double offset = n.dot(hull.vertices[static_cast<std::size_t>(face[0])]);
     for (std::int32_t c : face) {
-      EXPECT_NEAR(n.dot(hull.vertices[static_cast<std::size_t>(c)]), offset, 4e-14 * size);
+      EXPECT_NEAR(n.dot(hull.vertices[static_cast<std::size_t>(c)]), offset, planar * size);
     }
     double worst = -infinity;
     for (const Vec3& p : points) worst = std::max(worst, n.dot(p) - offset);
@@ -86,7 +89,7 @@ TEST(Hull, PointsOnFacesEdgesInsideAndTwiceAreNoVertices) {
     const ConvexHull hull = convexHull(grid);
     EXPECT_EQ(hull.vertices.size(), 8u);
     EXPECT_EQ(hull.faces.size(), 6u);
-    expectConvexAndClosed(hull, grid, 6e-4, 1e-8);
+    expectConvexAndClosed(hull, grid, 6e-4, 1e-14);
   }
 }
 
@@ -98,9 +101,9 @@ TEST(Hull, RandomPointsLieBelowEveryFace) {
       onSphere.push_back(random.direction());
       inBall.push_back(random.direction() * std::cbrt(random.uniform()));
     }
-    expectConvexAndClosed(convexHull(inBall), inBall, 2, 1e-7);
+    expectConvexAndClosed(convexHull(inBall), inBall, 2, tolerance::hullWidth);
     const ConvexHull hull = convexHull(onSphere);
-    expectConvexAndClosed(hull, onSphere, 2, 1e-7);
+    expectConvexAndClosed(hull, onSphere, 2, tolerance::hullWidth);
     EXPECT_EQ(hull.vertices.size(), onSphere.size());
   }
 }
@@ -116,6 +119,43 @@ TEST(Hull, PrismOfManyCosphericalCornersKeepsItsTwoPolygons) {
   EXPECT_EQ(hull.vertices.size(), 200u);
   EXPECT_EQ(hull.faces.size(), 102u);
   expectConvexAndClosed(hull, points, 2, 1e-13);
+}
+
+TEST(Hull, NearlyDegeneratePointsStillGiveAClosedConvexSurface) {
+  Random random(11);
+  for (double noise : {1e-16, 1e-15, 1e-14, 1e-12, 1e-10, 1e-8, 1e-7, 3e-7, 1e-6, 3e-6, 1e-5, 1e-4}) {
+    for (int trial = 0; trial < 20; ++trial) {
+      // a cube's faces covered with points that are off by the noise
+      std::vector<Vec3> points;
+      for (int k = 0; k < 200; ++k) {
+        Vec3 p(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+        const auto axis = static_cast<int>(random.below(3));
+        p[axis] = p[axis] > 0 ? 1 : -1;
+        if (k % 3 == 0) p[(axis + 1) % 3] = 1;
+        points.push_back(p + noise * random.direction());
+      }
+      const Mat3 turn = random.rotation().toRotationMatrix();
+      for (Vec3& p : points) p = turn * p;
+      // noise above the width that counts as flat leaves slender faces, whose normals are known to eps over their width
+      const double planar = noise < tolerance::hullWidth ? 4e-14 : tolerance::hullConvexity;
+      expectConvexAndClosed(convexHull(points), points, 2, std::max(tolerance::hullWidth, 5 * noise), planar);
+    }
+  }
+}
+
+TEST(Hull, CuboidsInSinglePrecisionHaveSixPlanarFaces) {
+  Random random(13);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Mat3 turn = random.rotation().toRotationMatrix();
+    std::vector<Vec3> corners;
+    for (const Vec3& c : cubeCorners(1e-3)) {
+      corners.push_back((turn * c.cwiseProduct(Vec3(1, 2, 3))).cast<float>().cast<double>());
+    }
+    const ConvexHull hull = convexHull(corners);
+    ASSERT_EQ(hull.faces.size(), 6u);
+    expectConvexAndClosed(hull, corners, 6e-3, tolerance::hullWidth);
+    for (std::size_t k = 0; k < 8; ++k) EXPECT_LT((hull.vertices[k] - corners[k]).norm(), 1e-9);
+  }
 }
 
 TEST(Hull, SameHullInMicrometresAndKilometres) {
