@@ -89,6 +89,7 @@ void collect(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& pa
       const bool valid = std::all_of(face.mIndices, face.mIndices + face.mNumIndices,
                                      [&](unsigned i) { return i < mesh.mNumVertices; });
       if (!valid) throw std::runtime_error("a face uses a vertex that is missing");
+      if (face.mNumIndices == 0) throw std::runtime_error("a face has no corners");
       if (face.mNumIndices != 3) {
         ++out.otherPrimitives;
         continue;
@@ -242,6 +243,11 @@ RawMesh importMesh(const std::string& path, const ImportLimits& limits) {
     fail("is not a readable " + formatName(header.format) + " mesh: " + message);
   }
   if (announcement.triangles == 0) fail("is empty: no triangle");
+  // A face gives one triangle at least, or is a point or a line: fewer means that the loader stopped early.
+  if (announcement.triangles + announcement.otherPrimitives < header.faces) {
+    fail("is truncated or malformed: it announces " + std::to_string(header.faces) + " faces, and only " +
+         std::to_string(announcement.triangles) + " triangles could be read");
+  }
   if (announcement.vertices > maxMeshVertices || announcement.triangles > maxMeshFaces) {
     fail("is too big: " + std::to_string(announcement.triangles) + " triangles; at most " +
          std::to_string(maxMeshFaces));

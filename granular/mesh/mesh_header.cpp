@@ -180,6 +180,23 @@ std::int64_t plyTypeBytes(std::string_view type) {
   return found == sizes.end() ? 0 : found->second;
 }
 
+// The loader fills up missing rows of a text file by itself: so they are counted.
+void checkPlyRows(const std::string& path, std::size_t headerBytes, const MeshHeader& header,
+                  const std::vector<PlyElement>& elements) {
+  const std::string content = readBytes(path, header.bytes);
+  std::string_view text = content;
+  text.remove_prefix(headerBytes);
+  std::int64_t rows = 0;
+  while (!text.empty()) {
+    std::string_view line = nextLine(text);
+    if (!nextWord(line).empty()) ++rows;
+  }
+  for (const PlyElement& element : elements) {
+    requireCount(path, "of element '" + element.name + "'", element.count, rows, "the file's rows allow");
+    rows -= element.count;
+  }
+}
+
 void checkPly(const std::string& path, MeshHeader& header) {
   const std::string content = readBytes(path, std::min<std::int64_t>(header.bytes, 1 << 16));
   std::string_view text = content;
@@ -207,6 +224,7 @@ void checkPly(const std::string& path, MeshHeader& header) {
     ended = keyword == "end_header";
   }
   if (!ended) refuse(path, "is not a mesh: the PLY header has no end");
+  if (ascii) checkPlyRows(path, static_cast<std::size_t>(text.data() - content.data()), header, elements);
   // What is left after the header must hold every row.
   std::int64_t left = header.bytes - static_cast<std::int64_t>(content.size() - text.size()) + 1;
   for (const PlyElement& element : elements) {
@@ -218,8 +236,39 @@ void checkPly(const std::string& path, MeshHeader& header) {
   }
 }
 
+// The next line that is neither blank nor a comment.
+std::string_view nextRow(std::string_view& text) {
+  while (!text.empty()) {
+    const std::string_view line = nextLine(text);
+    std::string_view rest = line;
+    const std::string_view word = nextWord(rest);
+    if (!word.empty() && word.front() != '#') return line;
+  }
+  return {};
+}
+
+// The loader takes an index out of range for the last vertex: so the rows are read here too.
+void checkOffFaces(const std::string& path, std::string_view text, const MeshHeader& header) {
+  nextLine(text);
+  for (std::int64_t v = 0; v < header.vertices; ++v) nextRow(text);
+  for (std::int64_t f = 0; f < header.faces; ++f) {
+    std::string_view row = nextRow(text);
+    std::int64_t corners = 0;
+    if (!parseCount(nextWord(row), corners) || corners < 1 || corners > header.bytes) {
+      refuse(path, "face " + std::to_string(f) + " of " + std::to_string(header.faces) + " can't be read");
+    }
+    for (std::int64_t k = 0; k < corners; ++k) {
+      std::int64_t index = -1;
+      const std::string_view word = nextWord(row);
+      if (parseCount(word, index) && index >= 0 && index < header.vertices) continue;
+      refuse(path, "face " + std::to_string(f) + " uses vertex '" + std::string(word.substr(0, 20)) + "' of " +
+                       std::to_string(header.vertices));
+    }
+  }
+}
+
 void checkOff(const std::string& path, MeshHeader& header) {
-  const std::string content = readBytes(path, std::min<std::int64_t>(header.bytes, 1 << 16));
+  const std::string content = readBytes(path, header.bytes);
   std::string_view text = content;
   const std::string_view magic = nextWord(text);
   if (magic.size() < 3 || magic.substr(magic.size() - 3) != "OFF")
@@ -240,6 +289,7 @@ void checkOff(const std::string& path, MeshHeader& header) {
   requireCount(path, "faces", counts[1], header.bytes / 8, "the file's size allows");
   header.vertices = counts[0];
   header.faces = counts[1];
+  checkOffFaces(path, text, header);
 }
 
 // An unsigned number of a glTF object; absent reads as the default.
