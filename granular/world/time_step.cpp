@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 namespace granular {
 namespace {
@@ -53,32 +52,27 @@ Compliance complianceOf(const Shape& shape) {
 
 double stableRange(double z) { return 2 * (std::sqrt(1 + 4 * z * z) - 2 * z); }
 
-TimeStepBound boundBeforeRun(const World& world, int contactsAssumed) {
-  const Bodies& bodies = world.bodies;
+TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialTable& materials, const LawOptions& law,
+                             int contactsAssumed) {
   TimeStepBound result;
-
-  // Each shape with each material once.
-  std::map<std::pair<std::int32_t, std::int32_t>, std::size_t> kinds;
-  for (std::size_t i = 0; i < bodies.size(); ++i) kinds.emplace(std::make_pair(bodies.shapeIndex[i], bodies.material[i]), i);
-
-  for (const auto& [kind, i] : kinds) {
-    const Compliance unit = complianceOf(*bodies.shape[i]);
-    const double density = bodies.mass[i] / bodies.shape[i]->massProperties().volume;
+  for (const BodyKind& kind : kinds) {
+    const Compliance unit = complianceOf(*kind.shape);
+    const MassProperties& properties = kind.shape->massProperties();
     ContactBody self;
-    self.inverseMass = 1 / bodies.mass[i];
-    self.radiusRatio = bodies.radiusRatio[i];
-    // The hardest partner: any material, as heavy as a wall (stiffest damping) or as light as itself (shortest time).
-    for (int partner = 0; partner < world.materials.count(); ++partner) {
-      const LawConstants& constants = world.materials.constants(kind.second, partner);
-      const ContactStiffness wall = stiffnessOf(constants, world.options.lawOptions, self, ContactBody{}, Vec3::UnitZ());
-      const ContactStiffness twin = stiffnessOf(constants, world.options.lawOptions, self, self, Vec3::UnitZ());
+    self.inverseMass = 1 / (kind.density * properties.volume);
+    self.radiusRatio = properties.meanSquareRadius / (kind.density * properties.inertia.mean());
+    for (int partner = 0; partner < materials.count(); ++partner) {
+      const LawConstants& constants = materials.constants(kind.material, partner);
+      // A wall damps most for its stiffness; a twin makes the shortest contact.
+      const ContactStiffness wall = stiffnessOf(constants, law, self, ContactBody{}, Vec3::UnitZ());
+      const ContactStiffness twin = stiffnessOf(constants, law, self, self, Vec3::UnitZ());
       Rates rates;
-      rates.add(wall, unit.worst / density);
-      for (int k = 1; k < contactsAssumed; ++k) rates.add(wall, unit.mean / density);
+      rates.add(wall, unit.worst / kind.density);
+      for (int k = 1; k < contactsAssumed; ++k) rates.add(wall, unit.mean / kind.density);
       result.contactTime = std::min(result.contactTime, twin.contactTime);
       if (rates.bound() < result.bound) {
         result.bound = rates.bound();
-        result.body = bodies.shape[i]->describe();
+        result.body = kind.shape->describe();
       }
     }
   }

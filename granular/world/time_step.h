@@ -20,9 +20,17 @@ struct TimeStepBound {
   std::string explanation;      ///< one line for the user
 };
 
-/// Before a run: every shape and material present, with `contactsAssumed` contacts at once, one of them at the shape's
-/// worst place and the others at average places.
-TimeStepBound boundBeforeRun(const World& world, int contactsAssumed = 8);
+/// A kind of body that will take part.
+struct BodyKind {
+  const Shape* shape;
+  int material;
+  double density;  ///< kg/m^3
+};
+
+/// Before a run: the bodies that will take part, with `contactsAssumed` contacts at once, one of them at the shape's worst
+/// place and the others at average places.
+TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialTable& materials, const LawOptions& law,
+                             int contactsAssumed = 8);
 
 /// During a run: the bodies with the contacts they have now.
 TimeStepBound boundOfContacts(const World& world);

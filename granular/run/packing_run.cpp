@@ -1,0 +1,292 @@
+#include "granular/run/packing_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+
+#include "granular/insert/pose_check.h"
+#include "granular/io/pose_file.h"
+#include "granular/run/frames.h"
+#include "granular/run/particle_groups.h"
+#include "granular/run/run_checkpoint.h"
+#include "granular/run/scene_world.h"
+
+namespace granular {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Steps between looks at the whole bed: often enough to see a rest of milliseconds, seldom enough to cost nothing.
+std::int64_t observationSteps(double dt) { return std::max<std::int64_t>(1, std::llround(1e-4 / dt)); }
+
+double weightTimesSize(const Bodies& bodies, std::size_t i, double gravity) {
+  return bodies.mass[i] * gravity * 2 * bodies.shape[i]->size();
+}
+
+}  // namespace
+
+std::string_view runEndName(RunEnd end) {
+  switch (end) {
+    case RunEnd::rested: return "rested";
+    case RunEnd::notRested: return "not at rest in the time given";
+    case RunEnd::trouble: return "stopped by trouble";
+    case RunEnd::interrupted: return "interrupted";
+    case RunEnd::outOfTime: return "out of time";
+  }
+  return {};
+}
+
+PackingRun::PackingRun(Scene scene) : settings(std::move(scene)), state(makeWorld(settings)) {
+  for (const ParticleSettings& group : settings.particles) {
+    materialOfGroup.push_back(settings.materialIndex(group.material));
+    densityOfGroup.push_back(settings.materials[static_cast<std::size_t>(materialOfGroup.back())].density);
+  }
+  makePour();
+  placePoses();
+  chooseTimeStep();
+  startHalfSteps(*state, dt, 0, true);
+}
+
+Vessel PackingRun::vessel() const { return makeVessel(settings); }
+
+void PackingRun::makePour() {
+  const InsertionSettings& insertion = settings.insertion;
+  std::vector<PourGroup> groups = makePourGroups(settings);
+  if (insertion.kind == InsertionSettings::Kind::poses) {
+    for (PourGroup& group : groups) group.count = 0;
+  }
+  PourOptions options;
+  options.kind = insertion.kind == InsertionSettings::Kind::rain ? PourOptions::Kind::rain : PourOptions::Kind::batches;
+  options.minBatch = static_cast<std::int64_t>(insertion.batch.lo);
+  options.maxBatch = static_cast<std::int64_t>(insertion.batch.hi);
+  options.rate = insertion.rate;
+  options.height = insertion.height;
+  options.speed = insertion.speed;
+  options.upright = insertion.orientation == InsertionSettings::Orientation::upright;
+  std::vector<const Wall*> walls;
+  for (const auto& wall : state->walls) walls.push_back(wall.get());
+  pour = std::make_unique<Inserter>(options, std::move(groups), makeRegion(settings), walls, settings.seed);
+}
+
+void PackingRun::placePoses() {
+  const InsertionSettings& insertion = settings.insertion;
+  if (insertion.kind == InsertionSettings::Kind::bed) {
+    // The bodies of an earlier run, at rest where they were.
+    PackingRun earlier = resumeRun(insertion.file);
+    const World& old = earlier.world();
+    for (std::size_t i = 0; i < old.bodies.size(); ++i) {
+      const std::string& material = old.materials.name(old.bodies.material[i]);
+      NewBody body;
+      body.shapeIndex = state->addShape(old.shapes[static_cast<std::size_t>(old.bodies.shapeIndex[i])]);
+      body.material = settings.materialIndex(material);
+      body.density = old.bodies.mass[i] / old.bodies.shape[i]->massProperties().volume;
+      body.pose = {old.bodies.x[i], old.bodies.q[i]};
+      state->addBody(body);
+    }
+  }
+  if (insertion.kind == InsertionSettings::Kind::poses) {
+    Random random(settings.seed);
+    const std::vector<PourGroup> groups = makePourGroups(settings);
+    for (const FilePose& given : readPoseFile(insertion.file)) {
+      const auto group = static_cast<std::size_t>(given.group);
+      require(group < groups.size(), fmt::format("{}:{}: shape {} is not one of the scene's {} particle groups",
+                                                 insertion.file.string(), given.line, given.group, groups.size()));
+      NewBody body;
+      body.shapeIndex = state->addShape(groups[group].make(groups[group].size.draw(random), random));
+      body.material = materialOfGroup[group];
+      body.density = densityOfGroup[group];
+      body.pose = given.pose;
+      state->addBody(body);
+    }
+  }
+  // Whatever was given must not overlap beyond what the scene accepts.
+  std::vector<PlacedShape> placed;
+  for (std::size_t i = 0; i < state->bodies.size(); ++i) placed.push_back({state->bodies.shape[i], state->bodies.frame[i]});
+  std::vector<const Wall*> walls;
+  for (const auto& wall : state->walls) walls.push_back(wall.get());
+  if (!placed.empty()) checkPoses(placed, state->bodies.id, makeRegion(settings), walls, insertion.maxOverlap);
+}
+
+void PackingRun::chooseTimeStep() {
+  // Each shape that will take part, once.
+  std::vector<BodyKind> kinds;
+  std::set<std::pair<const Shape*, int>> seen;
+  std::vector<std::shared_ptr<const Shape>> alive;
+  const auto add = [&](const Shape& shape, int material, double density) {
+    if (seen.emplace(&shape, material).second) kinds.push_back({&shape, material, density});
+  };
+  const Bodies& bodies = state->bodies;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    add(*bodies.shape[i], bodies.material[i], bodies.mass[i] / bodies.shape[i]->massProperties().volume);
+  }
+  for (std::int64_t number = 0; number < pour->count(); ++number) {
+    const auto group = static_cast<std::size_t>(pour->groupOf(number));
+    alive.push_back(pour->makeShape(number));
+    add(*alive.back(), materialOfGroup[group], densityOfGroup[group]);
+  }
+  stepBound = boundBeforeRun(kinds, state->materials, state->options.lawOptions);
+  if (settings.time.step) {
+    dt = *settings.time.step;
+    require(dt <= stepBound.bound,
+            fmt::format("{}: time.step = {:g} s is above the stability bound {:.4g} s ({})", settings.file.string(), dt,
+                        stepBound.bound, stepBound.explanation));
+  } else {
+    dt = settings.time.fraction * stepBound.bound;
+  }
+}
+
+void PackingRun::addParticle(const NewParticle& particle) {
+  const auto group = static_cast<std::size_t>(particle.group);
+  NewBody body;
+  body.shapeIndex = state->addShape(particle.shape);
+  body.material = materialOfGroup[group];
+  body.density = densityOfGroup[group];
+  body.pose = particle.pose;
+  body.velocity = particle.velocity;
+  state->addBody(body);
+}
+
+void PackingRun::insertDue() {
+  if (pour->isDone() || !pour->isDue(state->time, counters.consolidated)) return;
+  if (settings.settle.kind == SettleSettings::Kind::freeze) freezeConsolidated();
+  std::vector<PlacedShape> present;
+  for (std::size_t i = 0; i < state->bodies.size(); ++i) present.push_back({state->bodies.shape[i], state->bodies.frame[i]});
+  const std::size_t first = state->bodies.size();
+  for (const NewParticle& particle : pour->insert(state->time, counters.consolidated, present)) addParticle(particle);
+  startHalfSteps(*state, dt, first, false);
+  if (state->bodies.size() > first) {
+    counters.consolidated = false;
+    counters.calm = 0;
+    counters.batchStart = state->time;
+  }
+  if (pour->isDone()) counters.pouredAt = state->time;
+}
+
+void PackingRun::freezeConsolidated() {
+  Bodies& bodies = state->bodies;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies.moves(i)) bodies.hold(i, BodyState::frozen);
+  }
+  counters.frozenBelow = state->nextId;
+}
+
+double PackingRun::restlessness() const {
+  const Bodies& bodies = state->bodies;
+  const double gravity = state->options.gravity.norm();
+  // While pouring, the moving are measured against one batch; in the end, against the whole bed.
+  double energy = 0, scale = 0;
+  const double batch = settings.insertion.batch.hi;
+  double counted = 0;
+  for (std::size_t i = bodies.size(); i-- > 0;) {
+    const Vec3 spin = bodies.frame[i].unrotate(bodies.w[i]);
+    energy += 0.5 * (bodies.mass[i] * bodies.v[i].squaredNorm() + spin.dot(bodies.inertia[i].cwiseProduct(spin)));
+    if (counters.pouredAt < 0 && counted >= batch) continue;
+    scale += weightTimesSize(bodies, i, gravity);
+    ++counted;
+  }
+  return scale > 0 ? energy / scale : 0;
+}
+
+void PackingRun::observe(double interval) {
+  const bool pouring = !pour->isDone();
+  const double bound = pouring ? settings.insertion.energy : settings.rest.energy;
+  counters.calm = restlessness() < bound ? counters.calm + interval : 0;
+  if (pouring && !counters.consolidated) {
+    counters.consolidated = counters.calm >= settings.insertion.time;
+    if (!counters.consolidated && state->time - counters.batchStart > settings.insertion.maxTime) {
+      counters.consolidated = true;
+      ++counters.lateBatches;
+    }
+  }
+  if (!pouring && !counters.awake && counters.calm >= settings.rest.time) {
+    // Rest must hold with every body awake.
+    for (std::size_t i = 0; i < state->bodies.size(); ++i) {
+      if (state->bodies.state[i] == BodyState::asleep) state->bodies.release(i);
+    }
+    state->options.sleep.on = false;
+    counters.awake = true;
+    if (state->sleep.fallen > 0) counters.calm = 0;
+  }
+  const TimeStepBound now = boundOfContacts(*state);
+  counters.smallestBound = std::min(counters.smallestBound, now.bound);
+}
+
+bool PackingRun::isResting() const {
+  return pour->isDone() && counters.awake && counters.calm >= settings.rest.time;
+}
+
+RunEnd PackingRun::run(const std::filesystem::path& out, const std::atomic<bool>& stop) {
+  const std::int64_t lookEvery = observationSteps(dt);
+  const Clock::time_point began = Clock::now();
+  const double wallBefore = counters.wall;
+  Clock::time_point saved = began;
+  FrameWriter frames(out, settings.output);
+  RunProgressLine line(*this);
+  const auto secondsSince = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };
+  const auto finish = [&](RunEnd end) {
+    counters.wall = wallBefore + secondsSince(began);
+    save(out);
+    line.close();
+    return end;
+  };
+
+  while (true) {
+    insertDue();
+    step(*state, dt);
+    if (state->steps % lookEvery != 0) continue;
+
+    observe(static_cast<double>(lookEvery) * dt);
+    counters.wall = wallBefore + secondsSince(began);
+    line.show();
+    if (settings.output.frames && state->time >= counters.nextFrame) {
+      frames.write(*state, counters.frames++);
+      counters.nextFrame += *settings.output.frames;
+    }
+    const Report& report = state->report;
+    if (settings.limits.onTrouble == LimitSettings::Action::stop && !report.troubles.empty()) return finish(RunEnd::trouble);
+    if (isResting()) return finish(RunEnd::rested);
+    if (stop) return finish(RunEnd::interrupted);
+    if (counters.wall > settings.limits.wallTime || state->time >= settings.time.maxTime) return finish(RunEnd::outOfTime);
+    if (pour->isDone() && state->time - counters.pouredAt > settings.rest.maxTime) return finish(RunEnd::notRested);
+    if (secondsSince(saved) > settings.output.checkpointEvery || state->time >= counters.nextCheckpoint) {
+      save(out);
+      saved = Clock::now();
+      counters.nextCheckpoint = state->time + settings.output.checkpointInterval;
+    }
+  }
+}
+
+void PackingRun::save(const std::filesystem::path& out) { saveCheckpoint(out, settings, *state, *pour, counters); }
+
+void PackingRun::resume(const std::filesystem::path& out) {
+  // Shapes are made again from the seed, in the order in which they came.
+  const PourState poured = loadPourState(out);
+  for (std::int64_t number = 0; number < poured.placed; ++number) state->addShape(pour->makeShape(number));
+  loadCheckpoint(out, *state, *pour, counters);
+}
+
+std::string PackingRun::describePlan() const {
+  const double particles = static_cast<double>(pour->count()) + static_cast<double>(state->bodies.size());
+  const double batch = 0.5 * (settings.insertion.batch.lo + settings.insertion.batch.hi);
+  // A batch needs a fall of some millimetres and a few bounces: about .08 s; the end about .3 s.
+  const double simulated = settings.insertion.kind == InsertionSettings::Kind::rain
+                               ? static_cast<double>(pour->count()) / settings.insertion.rate + 0.3
+                               : 0.08 * static_cast<double>(pour->count()) / batch + 0.3;
+  const double steps = simulated / dt;
+  // Half of the particles on average, two microseconds each on one core.
+  const double wall = 0.5 * particles * steps * 2e-6;
+  std::string text;
+  text += fmt::format("scene: {} ({})\n", settings.name, settings.file.string());
+  text += fmt::format("particles: {:.0f}", particles);
+  for (const ParticleSettings& group : settings.particles) text += fmt::format(", {}", group.name);
+  text += fmt::format("\ntime step: {:.4g} s = {:.3g} of the bound; {}\n", dt, dt / stepBound.bound, stepBound.explanation);
+  text += fmt::format("model: {}, {}, {}\n", settings.model.law, settings.model.pointRule, settings.model.integrator);
+  text += describeSkips(settings) + "\n";
+  text += fmt::format("expected: {:.2g} s simulated, {:.2g} steps, {:.0f} s on one core, {:.0f} MB\n", simulated, steps, wall,
+                      20 + particles * 8e-3);
+  return text;
+}
+
+}  // namespace granular

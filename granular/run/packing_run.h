@@ -1,0 +1,83 @@
+// A packing from scene to rest: insertion, steps, settling, frames, checkpoints, trouble.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "granular/insert/inserter.h"
+#include "granular/io/scene.h"
+#include "granular/world/time_step.h"
+#include "granular/world/world.h"
+
+namespace granular {
+
+/// How a run ended.
+enum class RunEnd { rested, notRested, trouble, interrupted, outOfTime };
+std::string_view runEndName(RunEnd end);
+
+/// Counters of the run itself; with the world and the inserter's state, all there is to save.
+struct RunProgress {
+  double calm = 0;              ///< how long the kinetic energy has been below the bound in question, s
+  double batchStart = 0;        ///< when the present batch came, s
+  double pouredAt = -1;         ///< when the last particle came, s; -1: not yet
+  bool consolidated = true;     ///< the batch before is at rest
+  bool awake = false;           ///< the final wait has begun: all sleepers were woken, none sleeps again
+  std::int64_t frozenBelow = 0; ///< ids below this are frozen
+  std::int64_t lateBatches = 0; ///< batches that were not consolidated in their time
+  std::int64_t frames = 0;      ///< written so far
+  double nextFrame = 0;         ///< s
+  double nextCheckpoint = 0;    ///< simulated, s
+  double wall = 0;              ///< wall time of earlier runs, s
+  double smallestBound = infinity;  ///< smallest step bound seen with the contacts at hand, s
+};
+
+class PackingRun {
+ public:
+  /// Builds everything the scene names. Throws InputError for what can't be.
+  explicit PackingRun(Scene scene);
+
+  const Scene& scene() const { return settings; }
+  World& world() { return *state; }
+  const World& world() const { return *state; }
+  const Inserter& inserter() const { return *pour; }
+  double timeStep() const { return dt; }
+  const TimeStepBound& bound() const { return stepBound; }
+  const RunProgress& progress() const { return counters; }
+  Vessel vessel() const;
+
+  /// What this run will do, in lines: particles, vessel, time step and why, what is skipped, memory and time expected.
+  std::string describePlan() const;
+
+  /// Goes on until the bed is at rest, or trouble, or `stop` becomes true. `out`: folder of frames and checkpoints, which exists.
+  RunEnd run(const std::filesystem::path& out, const std::atomic<bool>& stop);
+
+  /// Continues from a checkpoint in the folder. Throws InputError if there is none that fits the scene.
+  void resume(const std::filesystem::path& out);
+
+  /// Kinetic energy of the moving bodies over the sum of m g d of the particles poured last (d: equal-volume diameter).
+  double restlessness() const;
+
+ private:
+  void makePour();
+  void chooseTimeStep();
+  void placePoses();
+  void addParticle(const NewParticle& particle);
+  void insertDue();
+  void freezeConsolidated();
+  void observe(double interval);
+  bool isResting() const;
+  void save(const std::filesystem::path& out);
+
+  Scene settings;
+  std::unique_ptr<World> state;
+  std::unique_ptr<Inserter> pour;
+  std::vector<std::int32_t> materialOfGroup;
+  std::vector<double> densityOfGroup;
+  TimeStepBound stepBound;
+  double dt = 0;
+  RunProgress counters;
+};
+
+}  // namespace granular

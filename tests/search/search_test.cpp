@@ -1,0 +1,154 @@
+#include "granular/search/search.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "granular/core/random.h"
+#include "granular/shape/polyhedron.h"
+#include "granular/shape/sphere.h"
+
+namespace granular {
+namespace {
+
+/// Bodies at random places of a box, some fast.
+Bodies makeBodies(int count, double width, const Shape& shape, Random& random) {
+  Bodies bodies;
+  for (int k = 0; k < count; ++k) {
+    NewBody body;
+    body.id = k;
+    body.pose.x = Vec3(random.uniform(0, width), random.uniform(0, width), random.uniform(0, width));
+    body.pose.q = random.rotation();
+    body.velocity = random.direction() * random.uniform(0, 2);
+    bodies.add(body, shape);
+  }
+  return bodies;
+}
+
+using Key = std::tuple<std::int32_t, std::int32_t, Image>;
+std::set<Key> keysOf(const PairList& list) {
+  std::set<Key> keys;
+  for (const Pair& pair : list.pairs) keys.insert({pair.a, pair.b, pair.image});
+  return keys;
+}
+
+TEST(BroadPhase, BulletFindsExactlyThePairsOfBruteForceInMetresAtMillimetreSize) {
+  Random random(1);
+  const auto bullet = makeBulletBroadPhase(3e-5);
+  const auto brute = makeBruteForceBroadPhase();
+  std::vector<Aabb> boxes(400);
+  std::vector<std::array<std::int32_t, 2>> fromBullet, fromBrute;
+  for (int round = 0; round < 20; ++round) {
+    for (std::size_t k = 0; k < boxes.size(); ++k) {
+      const Vec3 centre = 0.04 * Vec3(random.uniform(), random.uniform(), random.uniform());
+      boxes[k].lo = centre.array() - 1.5e-3;
+      boxes[k].hi = centre.array() + 1.5e-3;
+      if (round > 0 && random.uniform() < 0.5) continue;  // half of them stay where they are
+      bullet->place(k, boxes[k]);
+      brute->place(k, boxes[k]);
+    }
+    bullet->collect(fromBullet);
+    brute->collect(fromBrute);
+    std::sort(fromBullet.begin(), fromBullet.end());
+    std::sort(fromBrute.begin(), fromBrute.end());
+    ASSERT_EQ(fromBullet, fromBrute);
+    ASSERT_FALSE(fromBrute.empty());
+  }
+}
+
+TEST(Search, NoOverlappingPairIsMissedWhileBodiesMoveWithinTheirSkin) {
+  Random random(2);
+  const Sphere sphere(1e-3);
+  Bodies bodies = makeBodies(300, 0.02, sphere, random);
+  SearchOptions options;
+  Search search(options);
+  PairList list;
+  const double dt = 1e-5;
+  int refreshed = 0;
+  for (int n = 0; n < 400; ++n) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      bodies.x[i] += dt * bodies.vHalf[i];
+      bodies.travel[i] += dt * bodies.vHalf[i].norm();
+      bodies.frame[i].x = bodies.x[i];
+    }
+    if (search.isDue(bodies, 0)) {
+      search.refreshPairs(bodies, dt, 0, list);
+      ++refreshed;
+    }
+    const std::set<Key> keys = keysOf(list);
+    for (std::int32_t i = 0; i < 300; ++i) {
+      for (std::int32_t j = i + 1; j < 300; ++j) {
+        if ((bodies.x[static_cast<std::size_t>(i)] - bodies.x[static_cast<std::size_t>(j)]).norm() < 2e-3) {
+          ASSERT_TRUE(keys.count({i, j, Image{0, 0, 0}})) << i << " " << j << " step " << n;
+        }
+      }
+    }
+  }
+  EXPECT_LT(refreshed, 100);
+}
+
+TEST(Search, PeriodicImagesAreFoundOnceEach) {
+  Random random(3);
+  const double width = 0.01;
+  const Sphere sphere(0.8e-3);
+  Bodies bodies = makeBodies(150, width, sphere, random);
+  // Some bodies have left the domain: their images must still be found.
+  for (std::size_t i = 0; i < bodies.size(); i += 5) {
+    bodies.x[i] += Vec3(3 * width, -width, 0);
+    bodies.frame[i].x = bodies.x[i];
+  }
+  SearchOptions options;
+  options.periods.length = Vec3(width, width, 0);
+  options.skin = 0.01;
+  options.lookAhead = 0;
+  Search search(options);
+  PairList list;
+  search.refreshPairs(bodies, 1e-6, 0, list);
+
+  std::set<Key> touching;
+  for (const Pair& pair : list.pairs) {
+    const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
+    const Vec3 between = bodies.x[b] + options.periods.shift(pair.image) - bodies.x[a];
+    if (between.norm() >= 1.6e-3) continue;
+    EXPECT_TRUE(touching.insert({pair.a, pair.b, Image{0, 0, 0}}).second);
+  }
+  std::size_t expected = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (std::size_t j = i + 1; j < bodies.size(); ++j) {
+      Vec3 d = bodies.x[j] - bodies.x[i];
+      for (int k = 0; k < 2; ++k) d[k] -= width * std::round(d[k] / width);
+      if (d.norm() < 1.6e-3) ++expected;
+    }
+  }
+  EXPECT_EQ(touching.size(), expected);
+  EXPECT_GT(expected, 50u);
+}
+
+TEST(Search, MemoryOfAPairSurvivesARefresh) {
+  const Sphere sphere(1e-3);
+  Bodies bodies;
+  for (int k = 0; k < 3; ++k) {
+    NewBody body;
+    body.id = k;
+    body.pose.x = Vec3(1.9e-3 * k, 0, 0);
+    bodies.add(body, sphere);
+  }
+  SearchOptions options;
+  options.everyStep = true;
+  Search search(options);
+  PairList list;
+  search.refreshPairs(bodies, 1e-6, 0, list);
+  ASSERT_EQ(list.pairs.size(), 2u);
+  const std::int32_t slot = list.pairs[1].slot;
+  list.memory.history[static_cast<std::size_t>(slot)].twist = 7;
+  bodies.x[0].x() -= 5e-3;  // the first pair goes
+  bodies.frame[0].x = bodies.x[0];
+  search.refreshPairs(bodies, 1e-6, 0, list);
+  ASSERT_EQ(list.pairs.size(), 1u);
+  EXPECT_EQ(list.pairs[0].slot, slot);
+  EXPECT_EQ(list.memory.history[static_cast<std::size_t>(slot)].twist, 7);
+}
+
+}  // namespace
+}  // namespace granular
