@@ -171,7 +171,7 @@ struct OutputSettings {
   double checkpointEvery = 600;          ///< wall time, s
   double checkpointInterval = infinity;  ///< simulated time, s
   bool stl = true, glb = true;           ///< the final bed as surfaces
-  double gap = 0;  ///< stl, glb: each particle shrunk by this at its surface, fraction of its size
+  double gap = 0;                        ///< stl, glb: each particle is scaled about its centre by 1 - gap
   bool picture = true, plots = true;
   bool particles = true, contacts = true;  ///< CSV tables
   bool energy = true;                      ///< energy ledger

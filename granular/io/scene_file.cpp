@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "granular/core/errors.h"
+#include "granular/io/problems.h"
 #include "granular/io/scene_checks.h"
 #include "granular/io/scene_keys.h"
 
@@ -32,70 +33,7 @@ std::string showValue(const toml::node& node) {
   return text.size() <= longest ? text : text.substr(0, longest) + "...";
 }
 
-/// Number of single-character edits between two words.
-std::size_t editDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
-
-template <class Names>
-std::string suggestName(std::string_view name, const Names& known) {
-  std::string best;
-  std::size_t distance = std::max<std::size_t>(2, name.size() / 2) + 1;
-  for (const auto& k : known)
-    if (const std::size_t d = editDistance(name, k); d < distance) {
-      distance = d;
-      best = std::string(k);
-    }
-  return best.empty() ? "" : fmt::format("; did you mean \"{}\"?", best);
-}
-
-template <class Names>
-std::string listNames(const Names& names) {
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
-/// Collects problems with their places.
-class Problems {
- public:
-  explicit Problems(fs::path scene) : file(std::move(scene)) {}
-
-  std::map<std::string, std::string> overrides;  ///< path -> the override as given
-
-  void add(const toml::source_region& where, const std::string& path, const std::string& message) {
-    std::string place = file.string();
-    if (const std::string* given = findOverride(path))
-      place = "--set " + *given;
-    else if (where.begin.line > 0)
-      place += fmt::format(":{}:{}", where.begin.line, where.begin.column);
-    const std::string line =
-        path.empty() ? fmt::format("{}: {}", place, message) : fmt::format("{}: {} {}", place, path, message);
-    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
-  }
-  bool any() const { return !lines.empty(); }
-  void raise() const { throw InputError(fmt::format("{}", fmt::join(lines, "\n"))); }
-
- private:
-  fs::path file;
-  std::vector<std::string> lines;
-
-  /// The override that set this path or a parent of it.
-  const std::string* findOverride(const std::string& path) const {
-    for (const auto& [key, given] : overrides)
-      if (path == key || (path.starts_with(key) && path[key.size()] == '.')) return &given;
-    return nullptr;
-  }
-};
+Place placeOf(const toml::source_region& where) { return {where.begin.line, where.begin.column}; }
 
 // ---------------------------------------------------------------------------------------------------- overrides
 
@@ -160,7 +98,7 @@ void applyOverride(toml::table& root, const std::string& given, Problems& proble
   } else {
     throw InputError(fmt::format("--set {}: nothing lies below a single value", given));
   }
-  problems.overrides[fmt::format("{}", fmt::join(parts, "."))] = given;
+  problems.addOverride(fmt::format("{}", fmt::join(parts, ".")), given);
 }
 
 // ---------------------------------------------------------------------------------------------------- reader
@@ -183,16 +121,16 @@ class SceneReader : public KeyVisitor {
   }
 
   /// Where a path given by a check lies: the deepest part of it that is in the file.
-  toml::source_region locate(const std::string& path) const {
+  Place locate(const std::string& path) const {
     const toml::node* node = level.table;
-    toml::source_region where = node->source();
+    Place where = placeOf(node->source());
     for (const std::string& part : splitPath(path)) {
       if (const toml::array* array = node->as_array())
         node = array->get(std::stoul(part));
       else
         node = node->is_table() ? node->as_table()->get(part) : nullptr;
       if (!node) break;
-      where = node->source();
+      where = placeOf(node->source());
     }
     return where;
   }
@@ -349,10 +287,12 @@ class SceneReader : public KeyVisitor {
     const toml::table* table = nullptr;
     std::string path;
     std::set<std::string> known;
+
+    std::vector<std::string_view> knownNames() const { return {known.begin(), known.end()}; }
   };
   struct Parameter {
     UnitValue quantity;
-    toml::source_region where;
+    Place where;
     bool used = false;
   };
 
@@ -364,7 +304,7 @@ class SceneReader : public KeyVisitor {
   std::string pathOf(const Key& key) const { return joinPath(level.path, key.name); }
 
   void fail(const toml::node& node, const std::string& path, const std::string& message) {
-    problems.add(node.source(), path, fmt::format("= {}: {}", showValue(node), message));
+    problems.add(placeOf(node.source()), path, fmt::format("= {}: {}", showValue(node), message));
   }
 
   /// Registers the key and finds its value; reports one that is missing, or given although the kind has none.
@@ -380,7 +320,8 @@ class SceneReader : public KeyVisitor {
       return nullptr;
     }
     level.known.insert(std::string(key.name));
-    if (!node && key.required) problems.add(level.table->source(), pathOf(key), fmt::format("is missing: {}", key.doc));
+    if (!node && key.required)
+      problems.add(placeOf(level.table->source()), pathOf(key), fmt::format("is missing: {}", key.doc));
     return node;
   }
 
@@ -398,9 +339,9 @@ class SceneReader : public KeyVisitor {
   void reportUnknown() {
     for (const auto& [key, node] : *level.table)
       if (!level.known.contains(std::string(key.str())))
-        problems.add(key.source(), joinPath(level.path, key.str()),
+        problems.add(placeOf(key.source()), joinPath(level.path, key.str()),
                      fmt::format("= {}: unknown key{}; known here: {}", showValue(node),
-                                 suggestName(key.str(), level.known), listNames(level.known)));
+                                 suggestName(key.str(), level.knownNames()), listNames(level.knownNames())));
   }
 
   template <class Take>
@@ -498,9 +439,9 @@ class SceneReader : public KeyVisitor {
 
   void readParameter(const std::string& name, const toml::key& key, const toml::node& node) {
     const std::string path = "parameters." + name;
-    if (isUnitName(name)) return problems.add(key.source(), path, "has the name of a unit; choose another");
+    if (isUnitName(name)) return problems.add(placeOf(key.source()), path, "has the name of a unit; choose another");
     Parameter parameter;
-    parameter.where = key.source();
+    parameter.where = placeOf(key.source());
     if (node.is_number()) {
       parameter.quantity.value = node.value<double>().value();
     } else if (node.is_string()) {

@@ -208,8 +208,7 @@ void visitOutput(KeyVisitor& v, OutputSettings& s) {
                positiveOrInfinite);
   v.readBoolean({"stl", "the final bed as binary STL"}, s.stl);
   v.readBoolean({"glb", "the final bed as binary glTF"}, s.glb);
-  v.readNumber({"gap", "stl and glb: each particle shrunk by this at its surface, fraction of its size"}, s.gap,
-               D::none, {0, 0.5});
+  v.readNumber({"gap", "stl and glb: each particle is scaled about its centre by 1 - gap"}, s.gap, D::none, {0, 0.5});
   v.readBoolean({"picture", "a rendered picture of the bed"}, s.picture);
   v.readBoolean({"plots", "plots of the profiles"}, s.plots);
   v.readBoolean({"particles", "a table of all particles"}, s.particles);
