@@ -55,14 +55,14 @@ VoxelField measureVoxels(const Bed& bed, const Occupancy& occupancy, double edge
   const double step = edge / samples;
   const auto rows = static_cast<std::int64_t>(field.count[1]) * field.count[2];
 #pragma omp parallel for schedule(dynamic, 8)
-  for (std::int64_t row = 0; row < rows; ++row)
+  for (std::int64_t row = 0; row < rows; ++row) {
+    const std::int64_t y = row % field.count[1], z = row / field.count[1];
     for (int x = 0; x < field.count[0]; ++x) {
-      const Vec3 corner = field.origin + edge * Vec3(x, static_cast<double>(row % field.count[1]),
-                                                     static_cast<double>(row / field.count[1]));
+      const Vec3 corner = field.origin + edge * Vec3(x, static_cast<double>(y), static_cast<double>(z));
       int solid = 0, inside = 0;
       for (int n = 0; n < samples * samples * samples; ++n) {
-        const Vec3 index(n % samples, n / samples % samples, n / (samples * samples));
-        const Vec3 p = corner + step * (index.array() + 0.5).matrix();
+        const int layer = n / (samples * samples), line = n / samples % samples;
+        const Vec3 p = corner + step * Vec3(n % samples + 0.5, line + 0.5, layer + 0.5);
         if (!isInside(bed.vessel, box, p)) continue;
         ++inside;
         if (occupancy.contains(p)) ++solid;
@@ -72,6 +72,7 @@ VoxelField measureVoxels(const Bed& bed, const Occupancy& occupancy, double edge
       field.solid[at] = static_cast<float>(solid / points);
       field.vessel[at] = static_cast<float>(inside / points);
     }
+  }
   return field;
 }
 
