@@ -11,6 +11,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "granular/core/errors.h"
@@ -85,6 +86,12 @@ template <class T, std::size_t N>
 struct Element<std::array<T, N>> {
   static constexpr ElementType type = Element<T>::type;
   static constexpr std::uint64_t width = N * Element<T>::width;
+};
+
+/// As its underlying type, unchecked; visitEnum() checks a single one.
+template <class E>
+requires std::is_enum_v<E>
+struct Element<E> : Element<std::underlying_type_t<E>> {
 };
 
 template <class T>

@@ -32,7 +32,6 @@ struct VesselSettings {
 /// A wall besides the vessel.
 struct WallSettings {
   enum class Kind { plane, cylinder, mesh };
-  enum class Motion { fixed, steady, vibration };
   std::string name;
   Kind kind = Kind::plane;
   Vec3 point =
@@ -43,11 +42,6 @@ struct WallSettings {
   double unit = 1;              ///< mesh: m per unit of the file
   double scale = 1;             ///< mesh: further factor
   std::string material;         ///< empty: the first material
-  Motion motion = Motion::fixed;
-  Vec3 velocity = Vec3::Zero();   ///< steady, m/s
-  Vec3 spin = Vec3::Zero();       ///< steady: angular velocity about `point`, rad/s
-  Vec3 amplitude = Vec3::Zero();  ///< vibration: displacement amplitude * sin(2 pi frequency t), m
-  double frequency = 0;           ///< vibration, Hz
 };
 
 struct MaterialSettings {
@@ -98,7 +92,7 @@ struct ParticleSettings {
   enum class Shape { sphere, ellipsoid, cylinder, cone, cuboid, polyhedron, mesh, sand, woodchip };
   enum class Template { sphere, ellipsoid };
   enum class Use { hull, exact };
-  std::string name;  ///< empty: the shape's name
+  std::string name;  ///< default: the shape's name
   Shape shape = Shape::sphere;
   double radius = 0;                ///< sphere, cylinder, cone (base), sand (template), m
   double height = 0;                ///< cylinder, cone, m
@@ -231,7 +225,6 @@ struct Scene {
 };
 
 /// What a scene can skip (design 2.4), as `skip` and --skip name it.
-inline constexpr std::string_view skipNames[] = {"broad_phase", "gjk",         "epa",   "clipping",
-                                                 "history",     "orientation", "sleep", "free_flight"};
+inline constexpr std::string_view skipNames[] = {"broad_phase", "gjk", "epa", "sleep"};
 
 }  // namespace granular

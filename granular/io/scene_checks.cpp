@@ -167,12 +167,6 @@ void checkWalls(const Scene& scene, const Report& report) {
     const WallSettings& w = scene.walls[k];
     const std::string path = fmt::format("wall.{}", k);
     if (w.kind == WallSettings::Kind::plane && w.normal.norm() == 0) report(path + ".normal", "must not be zero");
-    if (w.motion != WallSettings::Motion::steady && (w.velocity.norm() > 0 || w.spin.norm() > 0))
-      report(path + (w.velocity.norm() > 0 ? ".velocity" : ".spin"), "needs motion = \"steady\"");
-    if (w.motion != WallSettings::Motion::vibration && (w.amplitude.norm() > 0 || w.frequency > 0))
-      report(path + (w.amplitude.norm() > 0 ? ".amplitude" : ".frequency"), "needs motion = \"vibration\"");
-    if (w.kind == WallSettings::Kind::cylinder && w.spin.head<2>().norm() > 0)
-      report(path + ".spin", "a cylinder may only spin about its own axis, z");
   }
 }
 

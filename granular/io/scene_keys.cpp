@@ -18,7 +18,6 @@ constexpr Range atLeastOne{1, infinity, false, true};
 constexpr std::string_view vesselKinds[] = {"cylinder", "box", "periodic", "none"};
 constexpr std::string_view directions[] = {"x", "y", "z"};
 constexpr std::string_view wallKinds[] = {"plane", "cylinder", "mesh"};
-constexpr std::string_view motions[] = {"fixed", "steady", "vibration"};
 constexpr std::string_view frictionLimits[] = {"total", "push"};
 constexpr std::string_view contactMasses[] = {"reduced", "local"};
 constexpr std::string_view laws[] = {"linear"};
@@ -57,7 +56,8 @@ void visitVessel(KeyVisitor& v, VesselSettings& s) {
 
 void visitWall(KeyVisitor& v, WallSettings& s) {
   v.readKind({"kind", "shape of the wall", "", true}, s.kind, wallKinds);
-  v.readText({"name", "for messages and output"}, s.name);
+  v.readText({"name", "for messages and output; default: its kind"}, s.name);
+  if (s.name.empty()) s.name = wallKinds[static_cast<std::size_t>(s.kind)];
   v.readVector({"point", "plane: a point of it; cylinder: a point of its vertical axis; mesh: where its origin goes"},
                s.point, D::length, anything);
   v.readVector({"normal", "towards the granular side, of any length", "plane", true}, s.normal, D::none, anything);
@@ -66,12 +66,6 @@ void visitWall(KeyVisitor& v, WallSettings& s) {
   v.readUnit({"unit", "length of one unit of the file", "mesh", true}, s.unit);
   v.readNumber({"scale", "further factor on the mesh", "mesh"}, s.scale, D::none, positive);
   v.readText({"material", "default: the first material"}, s.material);
-  v.readEnum({"motion", "fixed; steady velocity and spin; or vibration"}, s.motion, motions);
-  v.readVector({"velocity", "motion = steady"}, s.velocity, D::velocity, anything);
-  v.readVector({"spin", "motion = steady: angular velocity about point"}, s.spin, D::angularVelocity, anything);
-  v.readVector({"amplitude", "motion = vibration: displacement is amplitude * sin(2 pi frequency t)"}, s.amplitude,
-               D::length, anything);
-  v.readNumber({"frequency", "motion = vibration"}, s.frequency, D::frequency, notNegative);
 }
 
 void visitContactParameters(KeyVisitor& v, ContactParameters& p) {
@@ -144,7 +138,8 @@ void visitMadeUpKeys(KeyVisitor& v, ParticleSettings& s) {
 void visitParticles(KeyVisitor& v, ParticleSettings& s) {
   s.line = v.line();
   v.readKind({"shape", "of the group", "", true}, s.shape, shapes);
-  v.readText({"name", "for messages and output"}, s.name);
+  v.readText({"name", "for messages and output; default: its shape"}, s.name);
+  if (s.name.empty()) s.name = shapes[static_cast<std::size_t>(s.shape)];
   v.readInteger({"count", "particles of this group; either this or share"}, s.count, atLeastOne);
   v.readNumber({"share", "part of insertion.count, by number"}, s.share, D::none, positiveFraction);
   v.readText({"material", "default: the first material"}, s.material);

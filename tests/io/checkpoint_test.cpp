@@ -21,7 +21,7 @@ struct Spring {
   std::int32_t kind = 0;
 };
 
-enum class Phase { pouring, resting };
+enum class Phase : std::uint8_t { pouring, resting };
 
 struct State {
   double time = 0;
@@ -38,6 +38,7 @@ struct State {
   Vec3 gravity = Vec3::Zero();
   std::vector<Spring> springs;
   Phase now = Phase::pouring;
+  std::vector<Phase> phases;
 };
 
 void describe(Archive& archive, State& s) {
@@ -62,6 +63,7 @@ void describe(Archive& archive, State& s) {
     archive.visitMember("kind", s.springs, &Spring::kind);
   });
   archive.visitEnum("now", s.now, Phase::resting);
+  archive.visit("phases", s.phases);
 }
 
 State makeState(int count) {
@@ -82,6 +84,7 @@ State makeState(int count) {
   s.random = random.state();
   s.gravity = {0, 0, -9.81};
   s.now = Phase::resting;
+  s.phases = {Phase::resting, Phase::pouring};
   return s;
 }
 
@@ -145,6 +148,7 @@ TEST_F(CheckpointTest, RestoresEveryBit) {
     EXPECT_EQ(state.names, makeState(0).names);
     EXPECT_EQ(state.nothing, "");
     EXPECT_EQ(state.now, Phase::resting);
+    EXPECT_EQ(state.phases, makeState(0).phases);
     EXPECT_EQ(state.springs.size(), static_cast<std::size_t>(count));
     EXPECT_EQ(save(state).digest(), saved.digest());
   }

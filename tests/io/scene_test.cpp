@@ -62,6 +62,7 @@ TEST(Scene, ShortestSceneGetsTheDocumentedDefaults) {
   EXPECT_FALSE(scene.time.step.has_value());
   ASSERT_EQ(scene.particles.size(), 1u);
   EXPECT_EQ(scene.particles[0].count, 100);
+  EXPECT_EQ(scene.particles[0].name, "sphere");
 }
 
 TEST(Scene, EverySectionIsRead) {
@@ -79,9 +80,6 @@ material = "steel"
 kind = "plane"
 point = [0, 0, 0.01]
 normal = [0, 1, 1]
-motion = "vibration"
-amplitude = [0, 0, "1 mm"]
-frequency = "20 Hz"
 [[material]]
 name = "glass"
 density = "2.5 g/cm^3"
@@ -138,7 +136,8 @@ max_speed = "20 m/s"
   EXPECT_EQ(scene.vessel.size, Vec3(0.05, 0.04, 1));
   EXPECT_EQ(scene.materialIndex(scene.vessel.material), 1);
   EXPECT_EQ(scene.materialIndex(""), 0);
-  EXPECT_EQ(scene.walls[0].motion, WallSettings::Motion::vibration);
+  EXPECT_EQ(scene.walls[0].normal, Vec3(0, 1, 1));
+  EXPECT_EQ(scene.walls[0].name, "plane");
   EXPECT_DOUBLE_EQ(scene.materials[0].density, 2500);
   EXPECT_EQ(scene.contacts[0].parameters.restitution, 0.9) << "keys left out come from contact_default";
   EXPECT_EQ(scene.contacts[0].parameters.friction, 0.3);
@@ -239,8 +238,6 @@ TEST(Scene, ContradictionsBetweenKeysAreRefused) {
   expectError(vessel + spheres + "size = {distribution = \"sieve\", sizes = [1, 2], passing = [0.1, 1]}\n",
               {"particles.0.size.passing", "from 0"});
   expectError(vessel + spheres + "[[wall]]\nkind = \"plane\"\nnormal = [0, 0, 0]\n", {"wall.0.normal", "zero"});
-  expectError(vessel + spheres + "[[wall]]\nkind = \"plane\"\nnormal = [0, 0, 1]\nvelocity = [1, 0, 0]\n",
-              {"wall.0.velocity", "motion = \"steady\""});
   expectError("skip = [\"all\", \"gjk\"]\n" + vessel + spheres, {"skip", "stands alone"});
   expectError("gravity = [0, 0, 0]\n" + vessel + spheres, {"gravity", "zero"});
 }
@@ -291,6 +288,18 @@ TEST(Scene, ParametersThatCannotWorkAreRefused) {
   expectError("[parameters]\nspare = 1\n" + vessel + spheres, {"bed.toml:2:1", "parameters.spare", "isn't used"});
   expectError("[parameters]\nmm = 1\n" + vessel + spheres, {"parameters.mm", "name of a unit"});
   expectError("[parameters]\na = \"= b\"\nb = 1\n" + vessel + spheres, {"parameters.a", "\"b\" is neither"});
+}
+
+TEST(Scene, EverySceneOfTheDemosIsRight) {
+  const fs::path folder = fs::path(GRANULAR_SOURCE_DIR) / "demos/scenes";
+  int scenes = 0;
+  if (fs::exists(folder))
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (entry.path().extension() == ".toml") {
+        ++scenes;
+        EXPECT_NO_THROW(readScene(entry.path())) << entry.path();
+      }
+  if (scenes == 0) GTEST_SKIP() << "no scenes in " << folder;
 }
 
 TEST(Scene, ReferenceNamesEverySectionAndKey) {
