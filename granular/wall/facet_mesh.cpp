@@ -14,6 +14,9 @@ using Indices = std::array<std::int32_t, 3>;
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
+/// Sine of the angle that two pieces of one ridge may make: short ones in single precision.
+constexpr double straight = 1e-3;
+
 /// One side of a triangle as a directed edge from corner `side` to the next.
 struct HalfEdge {
   std::int32_t lo, hi;  ///< its vertices, sorted
@@ -134,14 +137,16 @@ void floodFacet(std::int32_t seed, std::int32_t facet, Builder& build) {
 
   std::vector<std::int32_t> stack{seed};
   mesh.triangleFacet[at(seed)] = facet;
-  Vec3 sum = Vec3::Zero();
-  double moment = 0, weight = 0;
+  // Thousands of triangles are added up: in double precision their plane would be a hundred roundings off.
+  using Long3 = Eigen::Matrix<long double, 3, 1>;
+  Long3 sum = Long3::Zero();
+  long double moment = 0, weight = 0;
   while (!stack.empty()) {
     const std::int32_t t = stack.back();
     stack.pop_back();
     // The plane through all: area vectors add up whatever the cut; centroids are weighted by area.
     const Vec3 area = build.areaVector(t);
-    sum += area;
+    sum += area.cast<long double>();
     weight += area.norm();
     moment += area.norm() *
               normal.dot((build.corner(t, 0) + build.corner(t, 1) + build.corner(t, 2)) / 3 - build.corner(seed, 0));
@@ -152,8 +157,8 @@ void floodFacet(std::int32_t seed, std::int32_t facet, Builder& build) {
       }
   }
   Plane plane;
-  plane.normal = sum.normalized();
-  plane.offset = plane.normal.dot(build.corner(seed, 0)) + moment / weight;
+  plane.normal = sum.normalized().cast<double>();
+  plane.offset = plane.normal.dot(build.corner(seed, 0)) + static_cast<double>(moment / weight);
   mesh.facets.push_back(plane);
 }
 
@@ -245,11 +250,12 @@ void joinPieces(Builder& build) {
     const std::int32_t next = meeting[at(v)][0] == p ? meeting[at(v)][1] : meeting[at(v)][0];
     const Ridge& other = build.pieces[at(next)];
     if (other.left != piece.left || other.right != piece.right || (forwards ? other.a : other.b) != v) return -1;
-    const Vec3 start = mesh.vertices[at(piece.a)], end = mesh.vertices[at(other.b)];
-    const Vec3 first = forwards ? start : mesh.vertices[at(other.a)];
-    const Vec3 last = forwards ? end : mesh.vertices[at(piece.b)];
+    const Vec3 first = mesh.vertices[at(forwards ? piece.a : other.a)];
+    const Vec3 last = mesh.vertices[at(forwards ? other.b : piece.b)];
     const Vec3 line = (last - first).normalized();
-    const Vec3 from = mesh.vertices[at(v)] - first;
+    const Vec3 from = mesh.vertices[at(v)] - first, on = last - mesh.vertices[at(v)];
+    // A piece shorter than the tolerance may still turn a corner.
+    if (from.normalized().cross(on.normalized()).norm() > straight || from.dot(on) < 0) return -1;
     return (from - line * line.dot(from)).norm() <= build.tolerance ? next : -1;
   };
 

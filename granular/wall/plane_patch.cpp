@@ -1,12 +1,172 @@
 #include "granular/wall/plane_patch.h"
 
+#include <algorithm>
+
+#include "granular/point/clip.h"
+#include "granular/point/witness.h"
+
 namespace granular {
 
-void placeOnPlane(const RuleOptions&, const Shape&, const Frame&, const Plane& plane, const Vec3& deepest,
-                  ContactPatch& out) {
-  out.area = out.uu = out.vv = out.uv = 0;
-  out.point = out.centre = deepest + 0.5 * plane.depth(deepest) * plane.normal;
-  out.u = perpendicular(plane.normal);
+namespace {
+
+/// More faces than this in one overlap are left out: those found last are the shallowest.
+constexpr std::size_t mostPieces = 128;
+
+ContactPlane viewOf(const Plane& plane, const Vec3& deepest) {
+  return ContactPlane(
+      Touch{-plane.normal, plane.depth(deepest), deepest, deepest + plane.depth(deepest) * plane.normal});
+}
+
+}  // namespace
+
+void SunkenSurface::look(const Plane& wall, const Vec3& deepest, const Shape& shape, const Frame& frame) {
+  plane = viewOf(wall, deepest);
+  overlap = wall.depth(deepest);
+  pieces.clear();
+  cosine = 1;
+  kind = 1;
+  if (shape.kind() == ShapeKind::sphere || shape.kind() == ShapeKind::ellipsoid) return;
+
+  // Heights are over the middle of the overlap, the wall lies half an overlap below.
+  const SurfaceSide side(plane, shape, frame, 1);
+  kind = side.dimension();
+  if (kind == 3) {
+    lookAtFaces(side);
+    if (pieces.empty()) kind = 1;
+  } else if (kind == 2) {
+    line = side.segment();
+    lineDepth = side.findHeight(0);
+    lineDepth.offset += 0.5 * overlap;
+    const Vec2 along = line.to - line.from;
+    const double length = along.norm();
+    cosine = length > 0 ? 1 / std::hypot(1, lineDepth.slope.dot(along) / length) : 0;
+    if (!clipSegment(lineDepth, line)) kind = 1;
+  }
+}
+
+void SunkenSurface::lookAtFaces(const SurfaceSide& side) {
+  // From the deepest face over every edge that is still below the plane.
+  std::array<std::int32_t, mostPieces> faces;
+  std::size_t count = 0;
+  const auto add = [&](std::int32_t face) {
+    if (face == noEdge || count == faces.size()) return;
+    if (std::find(faces.begin(), faces.begin() + count, face) == faces.begin() + count) faces[count++] = face;
+  };
+  add(side.findStartFace());
+  for (std::size_t k = 0; k < count; ++k) {
+    Piece& piece = pieces.emplace_back();
+    piece.depth = side.findHeight(faces[k]);
+    piece.depth.offset += 0.5 * overlap;
+    side.projectFace(faces[k], piece.region);
+    clipPolygon(piece.depth, noEdge, piece.region);
+    for (int e = 0; e < piece.region.count; ++e)
+      if (piece.depth.at(piece.region[e]) > 0 || piece.depth.at(piece.region[piece.region.next(e)]) > 0)
+        add(piece.region.edge(e));
+  }
+  if (!pieces.empty()) cosine = 1 / std::sqrt(1 + pieces[0].depth.slope.squaredNorm());
+}
+
+void SunkenSurface::lookAtFeature(const Plane& wall, const Vec3& deepest, double slab, const Shape& shape,
+                                  const Frame& frame) {
+  plane = viewOf(wall, deepest);
+  overlap = wall.depth(deepest);
+  pieces.clear();
+  cosine = 1;
+  Feature feature;
+  shape.supportFeature(frame.unrotate(plane.n), slab, feature);
+  kind = std::min(feature.count, 3);
+  if (kind == 2) {
+    line = {plane.project(frame.toWorld(feature[0])), plane.project(frame.toWorld(feature[1]))};
+    lineDepth = {1, Vec2::Zero()};
+  } else if (kind == 3) {
+    Piece& piece = pieces.emplace_back();
+    piece.region.count = 0;
+    piece.depth = {1, Vec2::Zero()};
+    for (int k = 0; k < feature.count; ++k) piece.region.push(plane.project(frame.toWorld(feature[k])), noEdge);
+  }
+}
+
+AreaMoments SunkenSurface::integrateWhole() const {
+  AreaMoments moments;
+  for (const Piece& piece : pieces) moments += integrate(piece.region, piece.depth);
+  if (kind == 2) moments += integrate(line, overlap, lineDepth.at(line.from), lineDepth.at(line.to));
+  return moments;
+}
+
+void SunkenSurface::addStretch(const Segment& part, const Linear& depth, AreaMoments& moments,
+                               std::vector<SunkenPoint>& corners) const {
+  moments += integrate(part, overlap, depth.at(part.from), depth.at(part.to));
+  for (const Vec2& end : {part.from, part.to}) corners.push_back({end, depth.at(end)});
+}
+
+void SunkenSurface::integrateInside(const Polygon& polygon, AreaMoments& moments,
+                                    std::vector<SunkenPoint>& corners) const {
+  if (kind == 2) {
+    Segment part = line;
+    if (clipSegment(polygon, part)) addStretch(part, lineDepth, moments, corners);
+    return;
+  }
+  thread_local Polygon part;
+  for (const Piece& piece : pieces) {
+    part.count = piece.region.count;
+    std::copy_n(piece.region.points.begin(), part.count, part.points.begin());
+    std::copy_n(piece.region.edges.begin(), part.count, part.edges.begin());
+    clipPolygon(polygon, part);
+    if (part.count < 3) continue;
+    moments += integrate(part, piece.depth);
+    for (int k = 0; k < part.count; ++k) corners.push_back({part[k], piece.depth.at(part[k])});
+  }
+}
+
+void SunkenSurface::integrateAlong(const Segment& ridge, AreaMoments& moments,
+                                   std::vector<SunkenPoint>& corners) const {
+  if (kind == 2) {
+    Segment part = line;
+    if (clipSegment(ridge, overlap, part)) addStretch(part, lineDepth, moments, corners);
+    return;
+  }
+  for (const Piece& piece : pieces) {
+    Segment part = ridge;
+    if (piece.region.count >= 3 && clipSegment(piece.region, part)) addStretch(part, piece.depth, moments, corners);
+  }
+}
+
+void SunkenSurface::place(PointRule rule, const AreaMoments& m, ContactPatch& out) const {
+  const bool centred = rule != PointRule::witness && rule != PointRule::manifold;
+  if (!centred || kind == 1 || !(m.volume > 0 && m.area > 0)) return placePoint(plane.origin, plane.u, out);
+  const Vec2 centre = m.centroidOfVolume();
+  if (rule == PointRule::faceCentroid) return placePoint(plane.lift(centre, 0), plane.u, out);
+
+  // In the middle of the overlap there: between the wall and the body's lowest surface.
+  double depth = kind == 2 ? lineDepth.at(centre) : infinity;
+  for (const Piece& piece : pieces) depth = std::min(depth, piece.depth.at(centre));
+  const double height = 0.5 * (depth - overlap);
+  placePoint(plane.lift(centre, height), plane.u, out);
+  if (rule != PointRule::patch) return;
+
+  // Second moments about the centroid, per area.
+  const Vec2 c = m.centroid();
+  out.centre = plane.lift(c, height);
+  out.area = m.area;
+  out.uu = m.xx / m.area - c.x() * c.x();
+  out.vv = m.yy / m.area - c.y() * c.y();
+  out.uv = m.xy / m.area - c.x() * c.y();
+}
+
+void placeOnPlane(const RuleOptions& options, const Shape& shape, const Frame& frame, const Plane& plane,
+                  const Vec3& deepest, SunkenSurface& surface, ContactPatch& out) {
+  switch (options.rule) {
+    case PointRule::witness:
+    case PointRule::manifold:
+      return placePoint(deepest + 0.5 * plane.depth(deepest) * plane.normal, perpendicular(plane.normal), out);
+    case PointRule::faceCentroid:
+      surface.lookAtFeature(plane, deepest, options.slab * plane.depth(deepest), shape, frame);
+      break;
+    case PointRule::pressureCentroid:
+    case PointRule::patch:
+      surface.look(plane, deepest, shape, frame);
+  }
+  surface.place(options.rule, surface.integrateWhole(), out);
 }
 
 }  // namespace granular

@@ -2,7 +2,6 @@
 // point, and the patch is the part of the body's supporting face that lies below the plane. Exact for every shape.
 #include "granular/core/errors.h"
 #include "granular/wall/plane_patch.h"
-#include "granular/wall/wall.h"
 
 namespace granular {
 
@@ -28,7 +27,8 @@ class PlaneWall final : public Wall {
     touch.overlap = overlap;
     touch.spot = 0;
     touch.share = 1;
-    placeOnPlane(rule, shape, frame, plane, deepest, touch.patch);
+    thread_local SunkenSurface surface;
+    placeOnPlane(rule, shape, frame, plane, deepest, surface, touch.patch);
   }
 
   double clearance(const Vec3& centre, double radius) const override { return -plane.depth(centre) - radius; }

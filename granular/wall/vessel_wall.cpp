@@ -9,6 +9,9 @@
 
 #include "granular/core/errors.h"
 #include "granular/core/tolerances.h"
+#include "granular/shape/cone.h"
+#include "granular/shape/cylinder.h"
+#include "granular/shape/ellipsoid.h"
 #include "granular/shape/polyhedron.h"
 #include "granular/wall/radial_maxima.h"
 #include "granular/wall/spot_share.h"
@@ -95,7 +98,7 @@ void touchSphere(const Vessel& vessel, const Shape& shape, const Frame& frame, s
 }
 
 void touchEllipsoid(const Vessel& vessel, const Shape& shape, const Frame& frame, std::vector<WallTouch>& out) {
-  const Vec3 semi(shape.support(Vec3::UnitX()).x(), shape.support(Vec3::UnitY()).y(), shape.support(Vec3::UnitZ()).z());
+  const Vec3 semi = static_cast<const Ellipsoid&>(shape).semiAxes();
   int longest, shortest;
   const double a = semi.maxCoeff(&longest), c = semi.minCoeff(&shortest);
   const double b = semi.sum() - a - c;
@@ -119,11 +122,17 @@ void touchRim(const Vessel& vessel, const Vec3& centre, const Vec3& axis, double
 }
 
 void touchCylinder(const Vessel& vessel, const Shape& shape, const Frame& frame, std::vector<WallTouch>& out) {
-  const double half = shape.support(Vec3::UnitZ()).z();
-  const double radius = shape.support(Vec3::UnitX()).head<2>().norm();
+  const auto& cylinder = static_cast<const Cylinder&>(shape);
   const Vec3 axis = frame.R.col(2);
-  touchRim(vessel, frame.x - half * axis, axis, radius, 0, out);
-  touchRim(vessel, frame.x + half * axis, axis, radius, 3, out);
+  touchRim(vessel, frame.x - cylinder.halfHeight() * axis, axis, cylinder.radius(), 0, out);
+  touchRim(vessel, frame.x + cylinder.halfHeight() * axis, axis, cylinder.radius(), 3, out);
+}
+
+void touchCone(const Vessel& vessel, const Shape& shape, const Frame& frame, std::vector<WallTouch>& out) {
+  const auto& cone = static_cast<const Cone&>(shape);
+  const Vec3 axis = frame.R.col(2);
+  pushSpot(vessel, frame.x + cone.apexZ() * axis, 0, 1, out);
+  touchRim(vessel, frame.x + cone.baseZ() * axis, axis, cone.radius(), 1, out);
 }
 
 void touchPolyhedron(const Vessel& vessel, const Shape& shape, const Frame& frame, std::vector<WallTouch>& out) {
@@ -182,7 +191,7 @@ constexpr std::array<TouchVessel, shapeKindCount> vesselTable = {
     touchSphere,      // sphere
     touchEllipsoid,   // ellipsoid
     touchCylinder,    // cylinder
-    touchGeneric,     // cone
+    touchCone,        // cone
     touchPolyhedron,  // cuboid
     touchPolyhedron,  // polyhedron
     touchGeneric,     // bullet

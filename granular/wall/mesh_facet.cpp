@@ -1,0 +1,235 @@
+// Facets of a mesh wall: see mesh_contact.h.
+#include <algorithm>
+
+#include "granular/core/tolerances.h"
+#include "granular/wall/mesh_contact.h"
+
+namespace granular {
+
+namespace {
+
+std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
+
+/// One facet under a body: its plane, the body's deepest point below it, and the triangles that may matter.
+struct FacetQuery {
+  const MeshQuery& query;
+  std::int32_t facet;
+  std::span<const std::int32_t> triangles;
+  const Plane& plane;
+  Vec3 deepest;
+  double depth;
+
+  Vec3 corner(std::int32_t triangle, std::size_t k) const {
+    return query.mesh.vertices[at(query.mesh.triangles[at(triangle)][k])];
+  }
+};
+
+/// True if p lies over (or under) the triangle; sides belong to both of their triangles, so that none lets p through.
+bool isOverTriangle(const FacetQuery& f, std::int32_t triangle, const Vec3& p) {
+  const double slack = tolerance::tie * f.query.mesh.extent;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 a = f.corner(triangle, k), along = f.corner(triangle, (k + 1) % 3) - a;
+    if (f.plane.normal.cross(along).dot(p - a) < -slack * along.norm()) return false;
+  }
+  return true;
+}
+
+/// True if the deepest point lies over the facet, or beyond a concave ridge of it and below the neighbour as well.
+bool isOverFacet(const FacetQuery& f) {
+  for (std::int32_t t : f.triangles)
+    if (isOverTriangle(f, t, f.deepest)) return true;
+
+  // The nearest stretch of the rim decides.
+  const Vec3 p = f.deepest + f.depth * f.plane.normal;
+  const double slack = tolerance::tie * f.query.mesh.extent;
+  double nearest = infinity;
+  bool over = false;
+  for (std::int32_t t : f.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t number = f.query.mesh.triangleRidges[at(t)][k];
+      if (number < 0) continue;
+      const Vec3 a = f.corner(t, k), along = f.corner(t, (k + 1) % 3) - a;
+      const double s = std::clamp(along.dot(p - a) / along.squaredNorm(), 0.0, 1.0);
+      const double distance = (p - a - s * along).norm();
+      if (distance > nearest + slack) continue;
+      const Ridge& ridge = f.query.mesh.ridges[at(number)];
+      const bool under =
+          !ridge.convex &&
+          f.query.mesh.facets[at(ridge.left == f.facet ? ridge.right : ridge.left)].depth(f.deepest) >= -slack;
+      over = distance < nearest - slack ? under : over || under;
+      nearest = std::min(nearest, distance);
+    }
+  return over;
+}
+
+/// True if part of the segment a-b lies in the box.
+bool reaches(const Aabb& box, const Vec3& a, const Vec3& b) {
+  double first = 0, last = 1;
+  const Vec3 along = b - a;
+  for (int k = 0; k < 3; ++k) {
+    const double toLo = box.lo[k] - a[k], toHi = box.hi[k] - a[k];
+    if (along[k] == 0) {
+      if (toLo > 0 || toHi < 0) return false;
+      continue;
+    }
+    const double s = toLo / along[k], t = toHi / along[k];
+    first = std::max(first, std::min(s, t));
+    last = std::min(last, std::max(s, t));
+  }
+  return first <= last;
+}
+
+/// What of a body's surface lies over a facet.
+struct FacetPart {
+  double overlap = 0;   ///< the largest depth there, m
+  double fraction = 1;  ///< of the sunken surface
+  double flatness = 1;  ///< cosine of the surface to the facet
+  bool broad = false;   ///< it has an area or a length
+  AreaMoments moments;
+  Vec3 middle;  ///< of the part, world axes
+};
+
+/// The convex ridges of the facet that the body reaches: is there any, and how far is the way off the facet over the
+/// nearest of them, as a fraction of the depth? A body that has less way to go over a ridge than up is not held by this
+/// facet.
+struct RimCheck {
+  bool near = false;
+  double slide = infinity;
+};
+RimCheck checkRims(const FacetQuery& f, const FacetPart& part, const SunkenSurface& surface,
+                   std::span<const SunkenPoint> corners) {
+  const FacetMesh& mesh = f.query.mesh;
+  const Aabb box = f.query.shape.bounds(Frame()).grown(tolerance::tie * mesh.extent + f.depth);
+  RimCheck check;
+  std::int32_t last = -1;
+  for (std::int32_t t : f.triangles)
+    for (std::int32_t number : mesh.triangleRidges[at(t)]) {
+      if (number < 0 || number == last || !mesh.ridges[at(number)].convex) continue;
+      last = number;
+      const Ridge& ridge = mesh.ridges[at(number)];
+      const Vec3& a = mesh.vertices[at(ridge.a)];
+      if (!reaches(box, f.query.frame.toBody(a), f.query.frame.toBody(mesh.vertices[at(ridge.b)]))) continue;
+      check.near = true;
+      // A facet that is not convex goes on beyond the line of its ridge.
+      const Vec3& inwards = ridge.left == f.facet ? ridge.intoLeft : ridge.intoRight;
+      if (inwards.dot(part.middle - a) < 0) continue;
+      // How far in the part over the facet reaches; around a lone point, the body.
+      double way = part.broad ? 0 : inwards.dot(f.query.support(inwards) - a);
+      if (part.broad)
+        for (const SunkenPoint& corner : corners)
+          way = std::max(way, inwards.dot(surface.view().lift(corner.place, 0) - a));
+      check.slide = std::min(check.slide, way / part.overlap);
+    }
+  return check;
+}
+
+/// True if the way from the point below the facet straight up to it leaves the solid through another facet: a thin
+/// wall's other side.
+bool leavesSolid(const FacetQuery& f, const Vec3& foot, double depth) {
+  const FacetMesh& mesh = f.query.mesh;
+  const Vec3 way = -depth * f.plane.normal;
+  for (std::int32_t t : f.query.triangles) {
+    const std::int32_t other = mesh.triangleFacet[at(t)];
+    const Plane& plane = mesh.facets[at(other)];
+    const double speed = plane.normal.dot(way);
+    if (other == f.facet || !(speed > tolerance::tie * depth)) continue;
+    const double s = plane.depth(foot) / speed;
+    if (!(s > tolerance::certificate && s < 1)) continue;
+    FacetQuery there{f.query, other, {}, plane, foot + s * way, 0};
+    if (isOverTriangle(there, t, there.deepest)) return true;
+  }
+  return false;
+}
+
+/// The integrals over the part of the surface that lies over the facet, and the part's corners.
+AreaMoments integrateOver(const FacetQuery& f, const SunkenSurface& surface, std::vector<SunkenPoint>& corners) {
+  AreaMoments moments;
+  thread_local Polygon triangle;
+  for (std::int32_t t : f.triangles) {
+    // Seen from inside the wall, counter-clockwise runs backwards.
+    triangle.count = 0;
+    for (std::size_t k : {2, 1, 0}) triangle.push(surface.view().project(f.corner(t, k)), noEdge);
+    surface.integrateInside(triangle, moments, corners);
+  }
+  return moments;
+}
+
+void measurePart(const FacetQuery& f, SunkenSurface& surface, std::vector<SunkenPoint>& corners, FacetPart& part) {
+  surface.look(f.plane, f.deepest, f.query.shape, f.query.frame);
+  part.flatness = surface.flatness();
+  if (surface.dimension() == 1) return;
+  const double whole = surface.integrateWhole().area;
+  part.moments = integrateOver(f, surface, corners);
+  part.fraction = whole > 0 ? part.moments.area / whole : 0;
+  part.broad = part.moments.area > 0 && part.moments.volume > 0;
+  for (const SunkenPoint& corner : corners) part.overlap = std::max(part.overlap, corner.depth);
+  if (part.broad) part.middle = surface.view().lift(part.moments.centroidOfVolume(), 0);
+}
+
+/// Places a contact that rims cut.
+void placePart(const FacetQuery& f, bool over, const FacetPart& part, SunkenSurface& surface, ContactPatch& out) {
+  const PointRule rule = f.query.rule.rule;
+  if (rule == PointRule::faceCentroid) {
+    surface.lookAtFeature(f.plane, f.deepest, f.query.rule.slab * f.depth, f.query.shape, f.query.frame);
+    thread_local std::vector<SunkenPoint> corners;
+    corners.clear();
+    const AreaMoments moments = integrateOver(f, surface, corners);
+    if (moments.volume > 0) return surface.place(rule, moments, out);
+    surface.look(f.plane, f.deepest, f.query.shape, f.query.frame);
+  }
+  // The deepest point may lie beside the facet.
+  const bool deepestRule = rule == PointRule::witness || rule == PointRule::manifold;
+  surface.place(deepestRule && !over ? PointRule::pressureCentroid : rule, part.moments, out);
+}
+
+}  // namespace
+
+const PartTouch* findPart(std::span<const PartTouch> touches, std::int32_t part) {
+  const auto found = std::lower_bound(touches.begin(), touches.end(), part,
+                                      [](const PartTouch& touch, std::int32_t p) { return touch.part < p; });
+  return found != touches.end() && found->part == part ? &*found : nullptr;
+}
+
+bool touchFacet(const MeshQuery& query, std::int32_t facet, std::span<const std::int32_t> triangles,
+                SunkenSurface& surface, PartTouch& out) {
+  const Plane& plane = query.mesh.facets[at(facet)];
+  FacetQuery f{query, facet, triangles, plane, plane.deepest(query.shape, query.frame), 0};
+  f.depth = plane.depth(f.deepest);
+  if (!(f.depth > 0) || plane.depth(query.support(plane.normal)) >= 0) return false;
+
+  // What lies over the facet: the whole where no rim is near, else what its triangles cut out, or just the deepest
+  // point.
+  const bool over = isOverFacet(f);
+  thread_local std::vector<SunkenPoint> corners;
+  corners.clear();
+  FacetPart part;
+  part.overlap = over ? f.depth : 0;
+  part.middle = f.deepest + 0.5 * f.depth * plane.normal;
+  bool entire = over && !checkRims(f, part, surface, corners).near;
+  RimCheck rims;
+  if (!entire) {
+    measurePart(f, surface, corners, part);
+    if (!over && !part.broad) return false;
+    entire = over && part.fraction > 1 - tolerance::certificate;
+    rims = checkRims(f, part, surface, corners);
+  }
+
+  // Is this facet the one that holds the body?
+  if (rims.slide <= 0.5) return false;
+  if (leavesSolid(f, part.middle + plane.depth(part.middle) * plane.normal, part.overlap)) return false;
+
+  WallTouch& touch = out.touch;
+  touch.normal = -plane.normal;
+  touch.overlap = part.overlap;
+  if (entire)
+    placeOnPlane(query.rule, query.shape, query.frame, plane, f.deepest, surface, touch.patch);
+  else
+    placePart(f, over, part, surface, touch.patch);
+  touch.share = part.overlap * (entire ? 1 : part.fraction) * std::min(1.0, 2 * rims.slide - 1) *
+                (over ? 1 : flatWeight(part.flatness));
+  out.part = facet;
+  out.broad = entire || part.broad;
+  return touch.share > 0;
+}
+
+}  // namespace granular

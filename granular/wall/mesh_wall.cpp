@@ -1,0 +1,156 @@
+// A wall of triangles: finds the facets, ridges and corners that a body reaches and collects its contacts with them.
+#include <algorithm>
+
+#include "granular/core/tolerances.h"
+#include "granular/wall/mesh_contact.h"
+#include "granular/wall/spot_share.h"
+#include "granular/wall/triangle_tree.h"
+
+namespace granular {
+
+namespace {
+
+std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
+
+/// How far beyond the body's bounds triangles are looked for, relative to its bounding radius: the foot of a deepest
+/// point lies up to one overlap outside.
+constexpr double reach = 0.1;
+
+/// Working memory of one thread, kept between calls.
+struct Scratch {
+  std::vector<std::int32_t> triangles, ridges, corners;
+  std::vector<PartTouch> facetTouches, ridgeTouches, cornerTouches;
+  SunkenSurface surface;
+};
+
+void keepUnique(std::vector<std::int32_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+class MeshWall final : public Wall {
+ public:
+  MeshWall(const TriangleMesh& triangles, const std::string& file)
+      : source(file),
+        mesh(buildFacetMesh(triangles.vertices, triangles.triangles, file)),
+        tree(mesh.vertices, mesh.triangles) {}
+
+  void touch(const RuleOptions& rule, const Shape& shape, const Frame& frame,
+             std::vector<WallTouch>& out) const override {
+    thread_local Scratch scratch;
+    scratch.triangles.clear();
+    tree.findOverlapping(shape.bounds(frame).grown(reach * shape.boundingRadius()), scratch.triangles);
+    if (scratch.triangles.empty()) return;
+    const MeshQuery query{mesh, shape, frame, rule, scratch.triangles};
+    touchFacets(query, scratch);
+    touchRidges(query, scratch);
+    touchCorners(query, scratch);
+
+    // Spots count the parts of each kind in turn: facets 0, 3, 6 ...; ridges 1, 4, 7 ...; corners 2, 5, 8 ...
+    const auto begin = static_cast<std::ptrdiff_t>(out.size());
+    std::int32_t kind = 0;
+    for (const auto* touches : {&scratch.facetTouches, &scratch.ridgeTouches, &scratch.cornerTouches}) {
+      for (const PartTouch& part : *touches) {
+        out.push_back(part.touch);
+        out.back().spot = 3 * part.part + kind;
+      }
+      ++kind;
+    }
+    std::sort(out.begin() + begin, out.end(), [](const WallTouch& s, const WallTouch& t) { return s.spot < t.spot; });
+    shareStiffness({out.begin() + begin, out.end()});
+  }
+
+  double clearance(const Vec3& centre, double radius) const override {
+    double squared;
+    tree.findNearest(centre, squared);
+    return std::sqrt(squared) - radius;
+  }
+
+  bool admits(const Vec3& p) const override {
+    // At an edge or vertex several triangles are equally near: the one seen most squarely tells the side.
+    double squared;
+    const std::int32_t nearest = tree.findNearest(p, squared);
+    const auto footOn = [&](std::int32_t t) {
+      const auto& corner = mesh.triangles[at(t)];
+      return nearestOnTriangle(p, mesh.vertices[at(corner[0])], mesh.vertices[at(corner[1])],
+                               mesh.vertices[at(corner[2])]);
+    };
+    Aabb around;
+    around.include(footOn(nearest));
+    std::vector<std::int32_t> near;
+    const double slack = tolerance::certificate * mesh.extent;
+    tree.findOverlapping(around.grown(slack), near);
+    double side = 0;
+    for (std::int32_t t : near) {
+      const Vec3 away = p - footOn(t);
+      if (away.norm() > std::sqrt(squared) + slack) continue;
+      const double height = mesh.facets[at(mesh.triangleFacet[at(t)])].normal.dot(away);
+      if (std::abs(height) > std::abs(side)) side = height;
+    }
+    return side > 0;
+  }
+
+  std::string describe() const override {
+    const auto text = [](std::size_t n, const char* what) { return std::to_string(n) + " " + what; };
+    std::string line = source + ": " + text(mesh.triangles.size(), "triangles in ") +
+                       text(mesh.facets.size(), "facets, ") + text(mesh.ridges.size(), "ridges, ") +
+                       text(mesh.corners.size(), "corners");
+    if (mesh.rims > 0) line += ", " + std::to_string(mesh.rims) + " rims";
+    if (mesh.joined > 0) line += ", " + std::to_string(mesh.joined) + " vertices joined";
+    if (mesh.degenerate > 0) line += ", " + std::to_string(mesh.degenerate) + " triangles without area dropped";
+    if (mesh.nonManifold > 0) line += ", " + std::to_string(mesh.nonManifold) + " edges not between two triangles";
+    return line;
+  }
+
+ private:
+  void touchFacets(const MeshQuery& query, Scratch& scratch) const {
+    scratch.facetTouches.clear();
+    const std::span<const std::int32_t> all = query.triangles;
+    for (std::size_t begin = 0, end; begin < all.size(); begin = end) {
+      const std::int32_t facet = mesh.triangleFacet[at(all[begin])];
+      for (end = begin + 1; end < all.size() && mesh.triangleFacet[at(all[end])] == facet;) ++end;
+      PartTouch touch;
+      if (touchFacet(query, facet, all.subspan(begin, end - begin), scratch.surface, touch))
+        scratch.facetTouches.push_back(touch);
+    }
+  }
+
+  void touchRidges(const MeshQuery& query, Scratch& scratch) const {
+    scratch.ridges.clear();
+    scratch.ridgeTouches.clear();
+    for (std::int32_t t : query.triangles)
+      for (std::int32_t ridge : mesh.triangleRidges[at(t)])
+        if (ridge >= 0 && mesh.ridges[at(ridge)].convex) scratch.ridges.push_back(ridge);
+    keepUnique(scratch.ridges);
+    for (std::int32_t ridge : scratch.ridges) {
+      PartTouch touch;
+      if (touchRidge(query, ridge, scratch.facetTouches, scratch.surface, touch)) scratch.ridgeTouches.push_back(touch);
+    }
+  }
+
+  void touchCorners(const MeshQuery& query, Scratch& scratch) const {
+    scratch.corners.clear();
+    scratch.cornerTouches.clear();
+    for (std::int32_t t : query.triangles)
+      for (std::int32_t corner : mesh.triangleCorners[at(t)])
+        if (corner >= 0) scratch.corners.push_back(corner);
+    keepUnique(scratch.corners);
+    for (std::int32_t corner : scratch.corners) {
+      PartTouch touch;
+      if (touchCorner(query, corner, scratch.facetTouches, scratch.ridgeTouches, touch))
+        scratch.cornerTouches.push_back(touch);
+    }
+  }
+
+  std::string source;
+  FacetMesh mesh;
+  TriangleTree tree;
+};
+
+}  // namespace
+
+std::unique_ptr<Wall> makeMeshWall(const TriangleMesh& mesh, const std::string& source) {
+  return std::make_unique<MeshWall>(mesh, source);
+}
+
+}  // namespace granular
