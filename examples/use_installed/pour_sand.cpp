@@ -30,6 +30,7 @@ int main() {
   grains.longestExtent = [](double) { return longestSand(SandOptions{}); };
   PourOptions options;
   options.minBatch = options.maxBatch = grains.count;
+  options.reach = 6;  // longest extents above the floor: room for all at once
   Region region;
   region.kind = Region::Kind::cylinder;
   region.radius = radius;
