@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "granular/core/errors.h"
+#include "granular/core/random.h"
 #include "granular/io/scene_file.h"
 
 namespace granular {
@@ -23,50 +24,7 @@ radius = "1.5 mm"
 count = 100
 )";
 
-Scene parse(const std::string& text, const std::vector<std::string>& overrides = {}) {
-  return parseScene(text, fs::temp_directory_path() / "bed.toml", overrides);
-}
-
-std::string errorOf(const std::string& text, const std::vector<std::string>& overrides = {}) {
-  try {
-    parse(text, overrides);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-/// Each part must be in the message.
-void expectError(const std::string& text, const std::vector<std::string>& parts,
-                 const std::vector<std::string>& overrides = {}) {
-  const std::string message = errorOf(text, overrides);
-  for (const std::string& part : parts)
-    EXPECT_NE(message.find(part), std::string::npos) << part << "\nnot in: " << message;
-}
-
-TEST(Scene, ShortestSceneGetsTheDocumentedDefaults) {
-  const Scene scene = parse(vessel + spheres);
-  EXPECT_EQ(scene.name, "bed");
-  EXPECT_EQ(scene.seed, 1u);
-  EXPECT_EQ(scene.gravity, Vec3(0, 0, -9.81));
-  EXPECT_DOUBLE_EQ(scene.vessel.radius, 0.025);
-  EXPECT_FALSE(scene.vessel.height.has_value());
-  ASSERT_EQ(scene.materials.size(), 1u);
-  EXPECT_EQ(scene.materials[0].density, 2500);
-  EXPECT_EQ(scene.contactDefault.stiffness, 1e4);
-  EXPECT_EQ(scene.contactDefault.friction, 0.1);
-  EXPECT_EQ(scene.insertion.kind, InsertionSettings::Kind::batches);
-  EXPECT_EQ(scene.insertion.batch.lo, 20);
-  EXPECT_EQ(scene.insertion.batch.hi, 60);
-  EXPECT_EQ(scene.skip, std::vector<std::string>{"all"});
-  EXPECT_FALSE(scene.time.step.has_value());
-  ASSERT_EQ(scene.particles.size(), 1u);
-  EXPECT_EQ(scene.particles[0].count, 100);
-  EXPECT_EQ(scene.particles[0].name, "sphere");
-}
-
-TEST(Scene, EverySectionIsRead) {
-  const Scene scene = parse(R"(
+const std::string mixture = R"(
 name = "mixture"
 seed = 7
 threads = 2
@@ -130,7 +88,52 @@ alpha_step = "2 deg"
 [limits]
 on_trouble = "continue"
 max_speed = "20 m/s"
-)");
+)";
+
+Scene parse(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  return parseScene(text, fs::temp_directory_path() / "bed.toml", overrides);
+}
+
+std::string errorOf(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  try {
+    parse(text, overrides);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// Each part must be in the message.
+void expectError(const std::string& text, const std::vector<std::string>& parts,
+                 const std::vector<std::string>& overrides = {}) {
+  const std::string message = errorOf(text, overrides);
+  for (const std::string& part : parts)
+    EXPECT_NE(message.find(part), std::string::npos) << part << "\nnot in: " << message;
+}
+
+TEST(Scene, ShortestSceneGetsTheDocumentedDefaults) {
+  const Scene scene = parse(vessel + spheres);
+  EXPECT_EQ(scene.name, "bed");
+  EXPECT_EQ(scene.seed, 1u);
+  EXPECT_EQ(scene.gravity, Vec3(0, 0, -9.81));
+  EXPECT_DOUBLE_EQ(scene.vessel.radius, 0.025);
+  EXPECT_FALSE(scene.vessel.height.has_value());
+  ASSERT_EQ(scene.materials.size(), 1u);
+  EXPECT_EQ(scene.materials[0].density, 2500);
+  EXPECT_EQ(scene.contactDefault.stiffness, 1e4);
+  EXPECT_EQ(scene.contactDefault.friction, 0.1);
+  EXPECT_EQ(scene.insertion.kind, InsertionSettings::Kind::batches);
+  EXPECT_EQ(scene.insertion.batch.lo, 20);
+  EXPECT_EQ(scene.insertion.batch.hi, 60);
+  EXPECT_EQ(scene.skip, std::vector<std::string>{"all"});
+  EXPECT_FALSE(scene.time.step.has_value());
+  ASSERT_EQ(scene.particles.size(), 1u);
+  EXPECT_EQ(scene.particles[0].count, 100);
+  EXPECT_EQ(scene.particles[0].name, "sphere");
+}
+
+TEST(Scene, EverySectionIsRead) {
+  const Scene scene = parse(mixture);
   EXPECT_EQ(scene.threads, 2);
   EXPECT_DOUBLE_EQ(scene.gravity.z(), -1.62);
   EXPECT_EQ(scene.vessel.size, Vec3(0.05, 0.04, 1));
@@ -252,6 +255,29 @@ TEST(Scene, EveryProblemIsListedAtOnce) {
 }
 
 TEST(Scene, BrokenTomlIsNamedWithLine) { expectError("[vessel\nkind = 1\n", {"bed.toml:1:", "not valid TOML"}); }
+
+TEST(Scene, RandomlyDamagedScenesAreReadOrRefused) {
+  Random random(3);
+  const std::string letters = "=[]{}\"'.,-_ \n\\#0e9mxA%(^";
+  int refused = 0;
+  for (int k = 0; k < 3000; ++k) {
+    std::string text = mixture;
+    for (std::uint64_t n = 1 + random.below(3); n > 0; --n) {
+      const std::size_t at = random.below(text.size());
+      if (random.below(3) == 0)
+        text.erase(at, 1 + random.below(4));
+      else
+        text[at] = letters[random.below(letters.size())];
+    }
+    try {
+      parse(text);
+    } catch (const InputError& error) {
+      ++refused;
+      EXPECT_NE(std::string(error.what()).find("bed.toml"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_GT(refused, 2000);
+}
 
 TEST(Scene, OverridesReplaceValuesBeforeTheyAreChecked) {
   const Scene scene = parse(vessel + spheres, {"particles.0.count=7", "vessel.radius=30 mm", "seed=9",
