@@ -54,6 +54,10 @@ class Difference {
   const Frame& frame() const { return relative; }
   /// The smaller of the two sizes: the pair's unit of length.
   double size() const { return std::min(a.size(), b.size()); }
+  /// Takes a layer off either shape (m), which must not exceed the radius of a ball that rolls freely inside it: what
+  /// is left is convex, and the layers' sum is the radius of a ball that C is rounded by.
+  void erode(double layerA, double layerB) { layer = {layerA, layerB}; }
+
   /// Largest length that enters a support point: its round-off is this times the machine precision.
   double extent() const { return a.boundingRadius() + b.boundingRadius() + relative.x.norm(); }
 
@@ -64,6 +68,11 @@ class Difference {
     p.b = relative.toWorld(supportOf(b, tablesB, halfB, -relative.unrotate(d), seedB));
     p.vertexA = seedA;
     p.vertexB = seedB;
+    if (layer[0] + layer[1] > 0) {
+      const Vec3 n = d.normalized();
+      p.a -= layer[0] * n;
+      p.b += layer[1] * n;
+    }
     p.w = p.a - p.b;
     return p;
   }
@@ -92,6 +101,7 @@ class Difference {
   Frame relative;
   const PolyhedronTables* tablesA = nullptr;
   const PolyhedronTables* tablesB = nullptr;
+  std::array<double, 2> layer{0, 0};
   const Vec3* halfA = nullptr;
   const Vec3* halfB = nullptr;
   std::int32_t seedA = -1, seedB = -1;

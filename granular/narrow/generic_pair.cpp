@@ -5,14 +5,28 @@
 #include "granular/narrow/epa.h"
 #include "granular/narrow/gjk.h"
 #include "granular/narrow/kernels.h"
+#include "granular/narrow/polyhedron_features.h"
+#include "granular/shape/ellipsoid.h"
 
 namespace granular {
 namespace {
+
+/// How far Bullet's depth and direction may be off on polyhedra, relative to the pair's size: its polytope is exact
+/// there but for its own tolerances.
+constexpr double flatProposalError = 1e-6;
 
 /// How far Bullet's depth may lie from the depth along its own normal, relative to the pair's size. On smooth shapes
 /// its polytope ends with an error of this order, which the descent then removes; its false answers are off by far
 /// more.
 constexpr double proposalError = 1e-3;
+
+/// Radius of a ball that rolls freely inside: an ellipsoid's least curvature radius (Blaschke), a sphere's own.
+double rollingRadius(const Shape& shape) {
+  if (shape.kind() == ShapeKind::sphere) return shape.boundingRadius();
+  if (shape.kind() != ShapeKind::ellipsoid) return 0;
+  const Vec3& axes = static_cast<const Ellipsoid&>(shape).semiAxes();
+  return axes.minCoeff() * axes.minCoeff() / axes.maxCoeff();
+}
 
 /// Polishes the proposal if it is consistent with itself; otherwise there is none.
 bool takeProposal(Difference& c, const PenetrationAnswer& proposal, LocalMinimum& best, double& proposed) {
@@ -26,7 +40,70 @@ bool takeProposal(Difference& c, const PenetrationAnswer& proposal, LocalMinimum
   return true;
 }
 
+/// True if no direction more than `cone` away from a local minimum can be shallower. The points of C that support a
+/// ring of directions around the normal span a polygon whose inscribed circle about the origin's foot, at the height of
+/// the lowest of them, covers all directions from the cone to beyond the equator; the ball of isGlobal covers the rest.
+/// Inside the cone the descent has been.
+bool isGlobalByFan(Difference& c, const LocalMinimum& m) {
+  constexpr int ring = 8;
+  constexpr double tilt = 0.176;                            // tan 10 degrees
+  constexpr double coneCosine = 0.9063, coneSine = 0.4226;  // 25 degrees
+  const Vec3 u = perpendicular(m.normal), v = m.normal.cross(u);
+  std::array<Vec2, ring> foot;
+  double lowest = infinity;
+  for (int k = 0; k < ring; ++k) {
+    const double azimuth = 2 * pi * k / ring;
+    const Vec3 w = c.support(m.normal + tilt * (std::cos(azimuth) * u + std::sin(azimuth) * v)).w;
+    foot[static_cast<std::size_t>(k)] = {w.dot(u), w.dot(v)};
+    lowest = std::min(lowest, w.dot(m.normal));
+  }
+  double radius = infinity;
+  for (std::size_t k = 0; k < ring; ++k) {
+    const Vec2 &p = foot[k], &q = foot[(k + 1) % ring];
+    const double side = (q - p).norm();
+    if (side > 0) radius = std::min(radius, (p.x() * q.y() - p.y() * q.x()) / side);
+  }
+  const double inner = c.shapeA().innerRadius() + c.shapeB().innerRadius();
+  return radius < infinity && lowest * coneCosine + radius * coneSine >= m.depth &&
+         isGlobal(m.normal, m.depth, radius, c.frame().x, inner);
+}
+
+/// With a shape that a ball rolls around inside, the overlap is the layers taken off less the distance of what is left:
+/// one GJK distance, global by its own proof. False while the cores are so near that the direction would lose digits.
+bool touchByCores(const PairView& pair, const Difference& c, WarmCache& cache, NarrowCounts& counts, Touch& touch,
+                  bool& touches) {
+  const double layerA = rollingRadius(pair.a), layerB = rollingRadius(pair.b);
+  if (!(layerA + layerB > 0)) return false;
+  Difference core = c;
+  core.erode(layerA, layerB);
+  const Nearest nearest = findNearest(core, Vec3::Zero(), guessNormal(c, cache), 1e-15);
+  constexpr double leastGap = 1e-3;
+  if (nearest.inside || !(nearest.gap > leastGap * (layerA + layerB))) return false;
+
+  ++(cache.kind == WarmCache::cold ? counts.cold : counts.warm);
+  const double overlap = layerA + layerB - nearest.gap;
+  const Vec3& n = nearest.direction;
+  touches = overlap > 0;
+  if (!touches) {
+    reportApart(n, -overlap, cache);
+    return true;
+  }
+  const Vec3 middle = 0.5 * (nearest.onA + layerA * n + nearest.onB - layerB * n);
+  const LocalMinimum found{n, overlap, middle + 0.5 * overlap * n, middle - 0.5 * overlap * n};
+  return reportTouch(pair, WarmCache::smooth, found, cache, counts, touch);
+}
+
 }  // namespace
+
+void countProposal(Difference& c, const PenetrationAnswer& proposal, double least, NarrowCounts& counts) {
+  if (!proposal.penetrating) {
+    ++counts.missed;
+    return;
+  }
+  const double along = std::min(c.depth(proposal.normal), c.depth(-proposal.normal));
+  const double off = std::max(std::abs(along - proposal.overlap), along - least);
+  if (off > flatProposalError * c.size()) ++counts.fallbacks;
+}
 
 SearchResult searchConvex(Difference& c, const Vec3& guess, const PenetrationAnswer* proposal, NarrowCounts& counts) {
   ++counts.searches;
@@ -71,14 +148,18 @@ bool touchConvex(const PairView& pair, WarmCache& cache, NarrowCounts& counts, T
     }
   }
 
-  // Warm and touching: the minimum next to the last normal, while the overlap is small.
+  // Rounded shapes: a distance between cores.
+  bool touches = false;
+  if (touchByCores(pair, c, cache, counts, touch, touches)) return touches;
+
+  // Warm and touching: the minimum next to the last normal, if nothing away from it can be shallower.
   if (cache.touched && !pair.searchAlways) {
     const LocalMinimum local = descend(c, cache.direction);
     if (!(local.depth > 0)) {
       ++counts.warm;
       return reportApart(local.normal, -local.depth, cache);
     }
-    if (local.depth <= shallowOverlap * c.size()) {
+    if (isGlobalByFan(c, local)) {
       ++counts.warm;
       return reportTouch(pair, WarmCache::smooth, local, cache, counts, touch);
     }

@@ -9,6 +9,10 @@ namespace {
 
 constexpr int maxIterations = 200;
 
+/// Fresh starts from the last support point, when round-off in a simplex of nearly coinciding points stops the
+/// progress.
+constexpr int maxRestarts = 3;
+
 /// Points of the simplex that carry the nearest point, with their weights.
 struct Carrier {
   int count = 0;
@@ -73,7 +77,7 @@ Carrier nearestOfTriangle(const Simplex& s, int i, int j, int k) {
     out.count = 3;
     out.index = {i, j, k, 0};
     out.weight = {areaA / sum, areaB / sum, areaC / sum, 0};
-    out.v = n * (a.dot(n) / nn);
+    out.v = a + out.weight[1] * ab + out.weight[2] * ac;
     return out;
   }
   Carrier out;
@@ -146,9 +150,12 @@ Nearest findNearest(Difference& c, const Vec3& point, const Vec3& start, double 
   s.w[0] = s.made[0].w - point;
   s.count = 1;
   Carrier carrier = nearestOfPoint(s, 0);
+  out.distance = infinity;
+  int restarts = 0;
 
   for (int iteration = 0; iteration < maxIterations; ++iteration) {
     const double distance = carrier.v.norm();
+    if (distance < out.distance) fillAnswer(s, carrier, out);
     if (distance <= roundOff) {
       out.inside = true;
       break;
@@ -163,9 +170,9 @@ Nearest findNearest(Difference& c, const Vec3& point, const Vec3& start, double 
       out.gap = gap;
       out.direction = n;
     }
-    if (distance - gap <= precision * distance + roundOff) break;
+    if (out.distance - out.gap <= precision * out.distance + roundOff) break;
 
-    // Add the point, and keep the part of the simplex that is nearest; no progress means that round-off rules.
+    // Add the point, and keep the part of the simplex that is nearest.
     Simplex grown = s;
     grown.made[static_cast<std::size_t>(s.count)] = next;
     grown.w[static_cast<std::size_t>(s.count)] = w;
@@ -175,12 +182,19 @@ Nearest findNearest(Difference& c, const Vec3& point, const Vec3& start, double 
       out.inside = true;
       break;
     }
-    if (!(nextCarrier.v.norm() < distance)) break;
+    if (!(nextCarrier.v.norm() < distance)) {
+      // No progress: round-off rules this simplex. A fresh one around the answer may do better.
+      if (restarts++ == maxRestarts) break;
+      s.made[0] = next;
+      s.w[0] = w;
+      s.count = 1;
+      carrier = nearestOfPoint(s, 0);
+      continue;
+    }
     s = grown;
     carrier = nextCarrier;
     reduce(carrier, s);
   }
-  fillAnswer(s, carrier, out);
   return out;
 }
 

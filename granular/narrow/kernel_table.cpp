@@ -9,17 +9,19 @@ namespace {
 
 constexpr PairKernel none = nullptr;
 constexpr PairKernel convex = touchConvex;
+constexpr PairKernel ellips = touchEllipsoids;
 constexpr PairKernel flat = touchPolyhedra;
+constexpr PairKernel boxes = touchCuboids;
 
 constexpr std::array<std::array<PairKernel, shapeKindCount>, shapeKindCount> kernelTable{{
-    // sphere       ellipsoid  cylinder  cone    cuboid  polyhedron  bullet
-    {touchSpheres, convex, convex, convex, convex, convex, convex},  // sphere
-    {none, convex, convex, convex, convex, convex, convex},          // ellipsoid
-    {none, none, convex, convex, convex, convex, convex},            // cylinder
-    {none, none, none, convex, convex, convex, convex},              // cone
-    {none, none, none, none, flat, flat, convex},                    // cuboid
-    {none, none, none, none, none, flat, convex},                    // polyhedron
-    {none, none, none, none, none, none, convex},                    // bullet
+    // sphere       ellipsoid cylinder             cone             cuboid             polyhedron             bullet
+    {touchSpheres, ellips, touchSphereCylinder, touchSphereCone, touchSphereCuboid, touchSpherePolyhedron, convex},
+    {none, ellips, convex, convex, convex, convex, convex},  // ellipsoid
+    {none, none, convex, convex, convex, convex, convex},    // cylinder
+    {none, none, none, convex, convex, convex, convex},      // cone
+    {none, none, none, none, boxes, flat, convex},           // cuboid
+    {none, none, none, none, none, flat, convex},            // polyhedron
+    {none, none, none, none, none, none, convex},            // bullet
 }};
 
 PairKernel kernelOf(const Shape& a, const Shape& b) {

@@ -21,15 +21,17 @@ struct PairView {
 using PairKernel = bool (*)(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
 
 bool touchSpheres(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
+bool touchCuboids(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
+bool touchEllipsoids(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
+bool touchSphereCuboid(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
+bool touchSpherePolyhedron(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
+bool touchSphereCylinder(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
+bool touchSphereCone(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
 bool touchPolyhedra(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
 bool touchConvex(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch);
 
 /// A normal that turns by more than this from one look to the next is counted: cosine of 30 degrees.
 inline constexpr double flipCosine = 0.86602540378443865;
-
-/// Overlap, relative to the pair's size, above which a local minimum of the depth is not trusted to be the global one
-/// unless it proves itself: second minima below three times the depth were met in .04 % of poses at this overlap.
-inline constexpr double shallowOverlap = 0.01;
 
 /// Relative precision of a gap: it is proven whatever this is, and only serves as the pair's motion budget.
 inline constexpr double separationPrecision = 0.05;
@@ -64,6 +66,10 @@ inline Vec3 guessNormal(const Difference& c, const WarmCache& cache) {
   const double distance = c.frame().x.norm();
   return distance > 0 ? Vec3(c.frame().x / distance) : Vec3(Vec3::UnitX());
 }
+
+/// Counts a proposal of Bullet's for two polyhedra that the least depth, found by a search of our own, refutes: it
+/// called the pair separate, its depth is not the depth along its own normal, or a shallower direction exists.
+void countProposal(Difference& c, const PenetrationAnswer& proposal, double least, NarrowCounts& counts);
 
 /// The whole search for shapes of any kind: separated, or the certified global minimum. `proposal` is Bullet's answer,
 /// or null where none was asked for; it is checked against both bounds and counted when it fails.

@@ -166,19 +166,6 @@ bool report(const PairView& view, const NamedFeature& f, WarmCache& cache, Narro
   return reportTouch(view, f.kind, f.check.minimum, cache, counts, touch);
 }
 
-/// Counts a proposal of Bullet's that the bounds refute: it called the pair separate, its depth is not the depth along
-/// its own normal, or a shallower direction exists. Its polytope is exact on polyhedra but for its own tolerances.
-void countProposal(Difference& c, const PenetrationAnswer& proposal, double least, NarrowCounts& counts) {
-  if (!proposal.penetrating) {
-    ++counts.missed;
-    return;
-  }
-  constexpr double error = 1e-6;
-  const double along = std::min(c.depth(proposal.normal), c.depth(-proposal.normal));
-  const double off = std::max(std::abs(along - proposal.overlap), along - least);
-  if (off > error * c.size()) ++counts.fallbacks;
-}
-
 /// The search proper. `kept`: the last feature where it still holds.
 bool searchPolyhedra(const PairView& view, const Pair& pair, Difference& c, const NamedFeature& kept, WarmCache& cache,
                      NarrowCounts& counts, Touch& touch) {

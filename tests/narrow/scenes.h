@@ -7,8 +7,16 @@
 #include "granular/core/random.h"
 #include "granular/narrow/exhaustive.h"
 #include "granular/narrow/narrow.h"
+#include "granular/shape/polyhedron.h"
 
 namespace granular::testing {
+
+/// The hull of random points on an ellipsoid.
+inline std::unique_ptr<Polyhedron> makeRock(Random& random, int points, double radius, const Vec3& stretch) {
+  std::vector<Vec3> cloud;
+  for (int k = 0; k < points; ++k) cloud.push_back((radius * random.direction()).cwiseProduct(stretch));
+  return std::make_unique<Polyhedron>(cloud);
+}
 
 inline Frame randomFrame(Random& random, double spread) {
   return Frame(Pose{spread * random.direction() * random.uniform(), random.rotation()});

@@ -1,0 +1,139 @@
+// Two ellipsoids (spheres included): Newton's method on the unit normal. With the support function H(n) = |D n|, D the
+// semi-axes, the point of C = A - B below n is the gradient x = grad H_A + grad H_B - t, the depth is h = n . x, its
+// gradient on the unit sphere is P x with P = 1 - n n^T, and its Hessian P (H_A'' + H_B'') P - h. Near the minimum each
+// step doubles the digits. A ball of the least curvature radius rolls freely inside an ellipsoid (Blaschke), so that C
+// holds a ball of both radii's sum that is tangent below n: a stationary normal is the global minimum while the overlap
+// is smaller.
+#include <algorithm>
+
+#include "granular/narrow/gjk.h"
+#include "granular/narrow/kernels.h"
+#include "granular/shape/ellipsoid.h"
+#include "granular/shape/sphere.h"
+
+namespace granular {
+namespace {
+
+Vec3 semiAxesOf(const Shape& shape) {
+  if (shape.kind() == ShapeKind::sphere) return Vec3::Constant(static_cast<const Sphere&>(shape).radius());
+  return static_cast<const Ellipsoid&>(shape).semiAxes();
+}
+
+/// Support point and second derivatives of H(n) = |D n|, in the ellipsoid's own axes.
+struct Curved {
+  Vec3 point;
+  double height;  // H
+  Mat3 second;
+
+  Curved(const Vec3& d, const Vec3& n) {
+    const Vec3 stretched = d.cwiseProduct(n);
+    height = stretched.norm();
+    point = d.cwiseProduct(stretched) / height;
+    second = Mat3(d.cwiseProduct(d).asDiagonal()) - point * point.transpose();
+    second /= height;
+  }
+};
+
+/// One evaluation along n, A's axes.
+struct Evaluation {
+  Vec3 normal, onA, onB, slope;  // slope: P x
+  double depth;
+  Mat3 second;
+};
+
+Evaluation evaluate(const Vec3& axesA, const Vec3& axesB, const Frame& frame, const Vec3& n) {
+  const Curved a(axesA, n), b(axesB, frame.unrotate(n));
+  Evaluation e;
+  e.normal = n;
+  e.onA = a.point;
+  e.onB = frame.x - frame.rotate(b.point);
+  const Vec3 x = e.onA - e.onB;
+  e.depth = a.height + b.height - frame.x.dot(n);
+  e.slope = x - x.dot(n) * n;
+  e.second = a.second + frame.R * b.second * frame.R.transpose();
+  return e;
+}
+
+/// Newton's step in the tangent plane; false where the Hessian is not positive definite.
+bool makeStep(const Evaluation& e, Vec3& step) {
+  const Vec3 u = perpendicular(e.normal), v = e.normal.cross(u);
+  const Vec3 su = e.second * u, sv = e.second * v;
+  const double uu = u.dot(su) - e.depth, uv = u.dot(sv), vv = v.dot(sv) - e.depth;
+  const double determinant = uu * vv - uv * uv;
+  if (!(determinant > 0) || !(uu > 0)) return false;
+  const double gu = e.slope.dot(u), gv = e.slope.dot(v);
+  step = -((vv * gu - uv * gv) / determinant) * u - ((uu * gv - uv * gu) / determinant) * v;
+  return true;
+}
+
+/// A direction below which C's boundary is tangent to round-off, or as near to it as the steps allowed come.
+Evaluation findStationary(const Vec3& axesA, const Vec3& axesB, const Frame& frame, const Vec3& start,
+                          double roundOff) {
+  constexpr int maxSteps = 60;
+  Evaluation e = evaluate(axesA, axesB, frame, start);
+  for (int k = 0; k < maxSteps && e.slope.norm() > roundOff; ++k) {
+    // Where Newton's step is not downhill, follow the gradient by an angle of the order of the slope's.
+    Vec3 step;
+    if (!makeStep(e, step)) step = -e.slope / (e.slope.norm() + std::abs(e.depth) + roundOff);
+    const double length = step.norm();
+    constexpr double longest = 0.5;
+    if (length > longest) step *= longest / length;
+
+    // Halve the step until the depth falls; a step that only round-off can judge is taken as it is.
+    Evaluation next = evaluate(axesA, axesB, frame, (e.normal + step).normalized());
+    for (int halving = 0; halving < 30 && next.depth > e.depth + roundOff; ++halving) {
+      step *= 0.5;
+      next = evaluate(axesA, axesB, frame, (e.normal + step).normalized());
+    }
+    const bool better = next.depth < e.depth - roundOff || next.slope.squaredNorm() < e.slope.squaredNorm();
+    if (!better) break;
+    e = next;
+  }
+  return e;
+}
+
+double leastCurvatureRadius(const Vec3& axes) {
+  const double least = axes.minCoeff();
+  return least * least / axes.maxCoeff();
+}
+
+}  // namespace
+
+bool touchEllipsoids(const PairView& view, WarmCache& cache, NarrowCounts& counts, Touch& touch) {
+  const Vec3 axesA = semiAxesOf(view.a), axesB = semiAxesOf(view.b);
+  const Frame frame = relativeFrame(view.frameA, view.frameB);
+  const bool warm = cache.kind != WarmCache::cold && !view.searchAlways;
+
+  // Warm and apart: does the last direction still separate?
+  if (warm && cache.kind == WarmCache::apart) {
+    const double depth = axesA.cwiseProduct(cache.direction).norm() +
+                         axesB.cwiseProduct(frame.unrotate(cache.direction)).norm() - frame.x.dot(cache.direction);
+    if (depth < 0) {
+      ++counts.warm;
+      return reportApart(cache.direction, -depth, cache);
+    }
+  }
+
+  // The stationary normal from the last one, or from the line of centres.
+  const double distance = frame.x.norm();
+  const Vec3 centres = distance > 0 ? Vec3(frame.x / distance) : Vec3(Vec3::UnitX());
+  const double roundOff =
+      4 * std::numeric_limits<double>::epsilon() * (view.a.boundingRadius() + view.b.boundingRadius() + distance);
+  const Evaluation e = findStationary(axesA, axesB, frame, warm ? cache.direction : centres, roundOff);
+  const bool proven = e.depth <= leastCurvatureRadius(axesA) + leastCurvatureRadius(axesB);
+  constexpr double slack = 1e3;
+  if (proven && (!(e.depth > 0) || e.slope.norm() <= slack * roundOff)) {
+    ++(warm ? counts.warm : counts.cold);
+    if (!(e.depth > 0)) return reportApart(e.normal, -e.depth, cache);
+    LocalMinimum found{e.normal, e.depth, e.onA, e.onB};
+    const Vec3 middle = 0.5 * (e.onA + e.onB);
+    found.onA = middle + 0.5 * e.depth * e.normal;
+    found.onB = middle - 0.5 * e.depth * e.normal;
+    return reportTouch(view, WarmCache::smooth, found, cache, counts, touch);
+  }
+
+  // Deep, or not converged: the general route.
+  return touchConvex(view, cache, counts, touch);
+}
+
+}  // namespace granular
