@@ -15,16 +15,19 @@ struct Cell {
 /// overlap) are left out: those found last are the shallowest.
 class Cells {
  public:
-  void add(std::int32_t a, std::int32_t b) {
+  bool holds(std::int32_t a, std::int32_t b) const {
     for (int k = 0; k < count; ++k) {
-      if (items[static_cast<std::size_t>(k)].a == a && items[static_cast<std::size_t>(k)].b == b) return;
+      const Cell& each = items[static_cast<std::size_t>(k)];
+      if (each.a == a && each.b == b) return true;
     }
-    if (count == capacity) return;
-    items[static_cast<std::size_t>(count)].a = a;
-    items[static_cast<std::size_t>(count++)].b = b;
+    return false;
   }
+  void add(const Cell& cell) {
+    if (count < capacity) items[static_cast<std::size_t>(count++)] = cell;
+  }
+  void clear() { count = 0; }
   int size() const { return count; }
-  Cell& operator[](int k) { return items[static_cast<std::size_t>(k)]; }
+  const Cell& operator[](int k) const { return items[static_cast<std::size_t>(k)]; }
 
  private:
   static constexpr int capacity = 128;
@@ -33,7 +36,7 @@ class Cells {
 };
 
 /// The middle of the overlap at x: between the lowest surface of A and the highest of B.
-double findMiddle(Cells& cells, const Vec2& x) {
+double findMiddle(const Cells& cells, const Vec2& x) {
   double top = infinity, bottom = -infinity;
   for (int k = 0; k < cells.size(); ++k) {
     top = std::min(top, cells[k].heightA.at(x));
@@ -43,39 +46,76 @@ double findMiddle(Cells& cells, const Vec2& x) {
 }
 
 /// Flat faces on both sides: all cells, from the deepest place outwards.
-void measureFaces(const SurfaceSide& a, const SurfaceSide& b, OverlapArea& out) {
-  Cells cells;
-  const std::int32_t startA = a.findStartFace(), startB = b.findStartFace();
-  if (startA >= 0 && startB >= 0) cells.add(startA, startB);
-  Polygon region, other;
-  std::int32_t projected = -1;
-  for (int k = 0; k < cells.size(); ++k) {
-    Cell& cell = cells[k];
-    cell.heightA = a.findHeight(cell.a);
-    cell.heightB = b.findHeight(cell.b);
-    const Linear depth = cell.heightA - cell.heightB;
+class FaceWalk {
+ public:
+  FaceWalk(const SurfaceSide& sideA, const SurfaceSide& sideB) : a(sideA), b(sideB) {}
 
-    // A's face where it lies above B's, over B's face.
-    a.projectFace(cell.a, region);
-    clipPolygon(depth, noEdge, region);
-    if (projected != cell.b) b.projectFace(projected = cell.b, other);
-    clipPolygon(other, region);
-    out.moments += integrate(region, depth);
+  void measure(double overlap, OverlapArea& out) {
+    walk(1e-3 * overlap, out);
+    // The flattest faces may miss each other where the lowest meet.
+    if (!(out.moments.volume > 0)) walk(0, out);
+    if (out.moments.volume > 0) out.height = findMiddle(cells, out.moments.centroidOfVolume());
+  }
 
-    // Beyond every edge that is not where the overlap ends.
-    for (int e = 0; e < region.count; ++e) {
-      const std::int32_t name = region.edge(e);
-      if (name == noEdge) continue;
-      if (depth.at(region[e]) <= 0 && depth.at(region[region.next(e)]) <= 0) continue;
-      if (name >= 0) {
-        cells.add(name, cell.b);
-      } else {
-        cells.add(cell.a, -2 - name);
-      }
+ private:
+  /// All cells that hang together with the one under the origin.
+  void walk(double slack, OverlapArea& out) {
+    const std::int32_t startA = a.findStartFace(slack), startB = b.findStartFace(slack);
+    if (startA < 0 || startB < 0) return;
+    cells.clear();
+    cells.add({startA, startB, a.findHeight(startA), b.findHeight(startB)});
+    std::int32_t projected = -1;
+    for (int k = 0; k < cells.size(); ++k) {
+      const Cell& cell = cells[k];
+      const Linear depth = cell.heightA - cell.heightB;
+
+      // A's face where it lies above B's, over B's face.
+      a.projectFace(cell.a, region);
+      clipPolygon(depth, noEdge, region);
+      if (region.count == 0) continue;
+      if (projected != cell.b) b.projectFace(projected = cell.b, under);
+      clipPolygon(under, region);
+      const AreaMoments moments = integrate(region, depth);
+      out.moments += moments;
+      if (k == 0) least = narrowest * moments.volume;
+      for (int e = 0; e < region.count; ++e) cross(cell, depth, e);
     }
   }
-  if (out.moments.volume > 0) out.height = findMiddle(cells, out.moments.centroidOfVolume());
-}
+
+  /// Adds the cell beyond an edge of the region where the overlap goes on there.
+  void cross(const Cell& cell, const Linear& depth, int e) {
+    const std::int32_t name = region.edge(e);
+    if (name == noEdge) return;
+    const Vec2 &from = region[e], &to = region[region.next(e)];
+    const double deepest = std::max(depth.at(from), depth.at(to));
+    const bool beyondA = name >= 0;
+    const std::int32_t face = beyondA ? name : -2 - name;
+    if (deepest <= 0 || !(beyondA ? a : b).isSeen(face)) return;
+    Cell next = cell;
+    if (beyondA) {
+      next.a = face;
+    } else {
+      next.b = face;
+    }
+    if (cells.holds(next.a, next.b)) return;
+
+    // What lies beyond falls off from `deepest` with the slope across the edge: at most a triangle's worth.
+    (beyondA ? next.heightA : next.heightB) = (beyondA ? a : b).findHeight(face);
+    const Vec2 edge = to - from;
+    const double fall = granular::cross(edge, next.heightA.slope - next.heightB.slope);
+    if (0.5 * edge.squaredNorm() * deepest * deepest < least * fall) return;
+    cells.add(next);
+  }
+
+  /// Strips beyond an edge that hold less than this part of the first cell are not looked at: they move the point by
+  /// less than a thousandth of the patch.
+  static constexpr double narrowest = 2e-3;
+
+  const SurfaceSide &a, &b;
+  Cells cells;
+  Polygon region, under;
+  double least = 0;
+};
 
 /// A segment over flat faces, or beside another segment: the strip along it.
 void measureStrip(const SurfaceSide& a, const SurfaceSide& b, double width, OverlapArea& out) {
@@ -89,11 +129,8 @@ void measureStrip(const SurfaceSide& a, const SurfaceSide& b, double width, Over
   Cells cells;
   for (int k = 0; k < count; ++k) {
     const std::int32_t name = faces[static_cast<std::size_t>(k)];
-    cells.add(name, name);
-    Cell& cell = cells[k];
-    cell.heightA = a.findHeight(name);
-    cell.heightB = b.findHeight(name);
-    const Linear depth = cell.heightA - cell.heightB;
+    cells.add({name, name, a.findHeight(name), b.findHeight(name)});
+    const Linear depth = cells[k].heightA - cells[k].heightB;
     Segment piece = thin.segment();
     if (!clipSegment(depth, piece)) continue;
     if (wide.dimension() == 3) {
@@ -118,7 +155,7 @@ bool measureOverlap(const ContactPlane& plane, const Shape& a, const Frame& fram
   if (sideA.dimension() == 1 || sideB.dimension() == 1) return false;
   out = OverlapArea{};
   if (sideA.dimension() == 3 && sideB.dimension() == 3) {
-    measureFaces(sideA, sideB, out);
+    FaceWalk(sideA, sideB).measure(overlap, out);
   } else {
     measureStrip(sideA, sideB, overlap, out);
   }

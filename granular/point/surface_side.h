@@ -1,5 +1,5 @@
-// One body's surface as the contact sees it: flat pieces above the contact plane, as polygons with a height, a straight
-// piece, or a point. The polyhedra walk from face to face by their tables; other shapes show the one feature that
+// One body's surface as the contact sees it: flat faces as polygons in the contact plane with a height over it, a
+// straight piece, or a point. Polyhedra show all their faces by their tables; other shapes the one feature that
 // supports.
 #pragma once
 
@@ -34,29 +34,43 @@ class SurfaceSide {
   /// 1: a point, 2: a segment, 3: flat faces.
   int dimension() const { return kind; }
 
-  /// The face under the origin of the contact plane, or -1: nothing here faces the other body.
-  std::int32_t findStartFace() const;
+  /// The face under the origin of the contact plane, of several within slack (m) of it the flattest, or -1: nothing
+  /// here faces the other body.
+  std::int32_t findStartFace(double slack) const;
+  /// True if the face is not too steep to count.
+  bool isSeen(std::int32_t face) const {
+    return sign * normal.dot(tables->faceNormals[static_cast<std::size_t>(face)]) >= steepestCosine;
+  }
   /// The corners of a face in the contact plane, counter-clockwise. An edge is named by the face f beyond it: f for
-  /// body A, -2 - f for body B, noEdge where there is none or it is too steep.
+  /// body A, -2 - f for body B, noEdge where there is none.
   void projectFace(std::int32_t face, Polygon& out) const;
   /// Height of a face over the contact plane; of a segment: along it, the same at all places beside it.
   Linear findHeight(std::int32_t face) const;
-  /// All faces around the deepest point that are not too steep, into out; returns their number.
+  /// All faces around the deepest point that are seen, into out; returns their number.
   int findFacesAround(std::array<std::int32_t, Feature::capacity>& out) const;
 
   /// Dimension 2 alone.
   const Segment& segment() const { return line; }
 
  private:
-  bool faces(std::int32_t face) const;
+  void showFeature(const Shape& shape);
 
-  const PolyhedronTables* tables = nullptr;  // null: one feature
-  Mat3 rotation;                             // body axes to plane axes
-  Vec3 shift;                                // body origin in plane axes
+  Vec2 projectPoint(const Vec3& p) const {
+    const Vec3 from = p - origin;
+    return {u.dot(from), v.dot(from)};
+  }
+  /// The plane faceNormal . p = offset (body axes) as a height over the contact plane.
+  Linear findPlaneHeight(const Vec3& faceNormal, double offset) const {
+    const double inverse = 1 / normal.dot(faceNormal);
+    return {(offset - faceNormal.dot(origin)) * inverse, {-u.dot(faceNormal) * inverse, -v.dot(faceNormal) * inverse}};
+  }
+
+  Vec3 origin, u, v, normal;  // the contact plane in body axes
   double sign;
   int kind = 3;
-  std::int32_t deepest = 0;  // vertex of the tables
-  Polygon polygon;           // one feature: its corners and height
+  const PolyhedronTables* tables = nullptr;  // null: one feature
+  std::int32_t deepest = 0;                  // vertex of the tables
+  Polygon polygon;                           // one feature: its corners and height
   Linear height;
   Segment line;
 };
