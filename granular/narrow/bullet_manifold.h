@@ -1,0 +1,41 @@
+// Bullet's persistent manifold as a contact-point rule: each step's certified touch is fed to btPersistentManifold's
+// own logic, which keeps up to four points, drops those that drift, and replaces those that come near; the force is
+// shared among the points that still penetrate. The manifold lives in plain data between steps, so that it can be saved
+// and no Bullet object is kept; Bullet sees it in units in which the smaller body measures 10.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "granular/narrow/narrow.h"
+
+namespace granular {
+
+struct ManifoldPoint {
+  Vec3 onA = Vec3::Zero(), onB = Vec3::Zero();  ///< in the body axes of either, m
+  Vec3 normal = Vec3::UnitX();                  ///< world, unit, from A to B, as when the point was last found
+  double overlap = 0;                           ///< m; negative: the point has opened but is still kept
+  std::int32_t spot = 0;                        ///< its number for as long as it lives; never used again for the pair
+  std::int32_t age = 0;                         ///< steps since it was found
+};
+
+/// What is remembered of a touching pair. Plain data, saved in checkpoints; reset to {} when the pair parts.
+struct Manifold {
+  std::array<ManifoldPoint, 4> points;
+  std::int32_t count = 0;
+  std::int32_t nextSpot = 0;
+};
+
+/// One contact of the rule: where, how deep, and its share of the pair's stiffness and damping.
+struct ManifoldContact {
+  Touch touch;
+  std::int32_t spot = 0;
+  double share = 1;
+};
+
+/// Adds this step's touch of the pair to its manifold, refreshes all points to the bodies' poses, and lists those that
+/// penetrate, by spot, with equal shares. Returns their number, 1 to 4 (the touch itself is always among them).
+int refreshManifold(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, const Touch& touch,
+                    Manifold& manifold, std::array<ManifoldContact, 4>& out);
+
+}  // namespace granular
