@@ -29,6 +29,7 @@ LocalMinimum standOn(Difference& c, const Vec3& normal) {
 
 LocalMinimum descend(Difference& c, const Vec3& start) {
   const double g = stepGap * c.size();
+  const double roundOff = 4 * std::numeric_limits<double>::epsilon() * c.extent();
   LocalMinimum out;
   const SupportPoint first = c.support(start);
   out.normal = start;
@@ -51,8 +52,9 @@ LocalMinimum descend(Difference& c, const Vec3& start) {
       }
       break;
     }
+    const bool settled = out.depth - depth <= roundOff || turn < 1e-14;
     out = {n, depth, nearest.onA, nearest.onB};
-    if (turn < 1e-14) break;
+    if (settled) break;
   }
 
   holdApart(out);

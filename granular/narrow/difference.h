@@ -58,14 +58,19 @@ class Difference {
   /// is left is convex, and the layers' sum is the radius of a ball that C is rounded by.
   void erode(double layerA, double layerB) { layer = {layerA, layerB}; }
 
+  /// Puts the segment of its axis (z, half-length in m) in the place of A or B.
+  void reduceToAxisOfA(double halfLength) { axisHalf[0] = halfLength; }
+  void reduceToAxisOfB(double halfLength) { axisHalf[1] = halfLength; }
+
   /// Largest length that enters a support point: its round-off is this times the machine precision.
   double extent() const { return a.boundingRadius() + b.boundingRadius() + relative.x.norm(); }
 
   /// The point of C furthest along d (any length > 0).
   SupportPoint support(const Vec3& d) {
     SupportPoint p;
-    p.a = supportOf(a, tablesA, halfA, d, seedA);
-    p.b = relative.toWorld(supportOf(b, tablesB, halfB, -relative.unrotate(d), seedB));
+    const Vec3 dB = -relative.unrotate(d);
+    p.a = axisHalf[0] > 0 ? endOfAxis(axisHalf[0], d) : supportOf(a, tablesA, halfA, d, seedA);
+    p.b = relative.toWorld(axisHalf[1] > 0 ? endOfAxis(axisHalf[1], dB) : supportOf(b, tablesB, halfB, dB, seedB));
     p.vertexA = seedA;
     p.vertexB = seedB;
     if (layer[0] + layer[1] > 0) {
@@ -81,6 +86,8 @@ class Difference {
   double depth(const Vec3& n) { return support(n).w.dot(n); }
 
  private:
+  static Vec3 endOfAxis(double half, const Vec3& d) { return {0, 0, d.z() < 0 ? -half : half}; }
+
   static Vec3 supportOf(const Shape& shape, const PolyhedronTables* tables, const Vec3* half, const Vec3& d,
                         std::int32_t& seed) {
     if (tables) {
@@ -102,6 +109,7 @@ class Difference {
   const PolyhedronTables* tablesA = nullptr;
   const PolyhedronTables* tablesB = nullptr;
   std::array<double, 2> layer{0, 0};
+  std::array<double, 2> axisHalf{0, 0};
   const Vec3* halfA = nullptr;
   const Vec3* halfB = nullptr;
   std::int32_t seedA = -1, seedB = -1;

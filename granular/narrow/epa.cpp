@@ -11,6 +11,7 @@ constexpr int maxFacets = 2 * maxVertices;
 struct Facet {
   Vec3 normal;
   double distance;
+  double bound;                  // least distance at which a direction that counts leaves the facet
   std::array<int, 3> corner;     // counter-clockwise from outside
   std::array<int, 3> neighbour;  // across the edge corner[k] -> corner[k + 1]
 };
@@ -18,7 +19,7 @@ struct Facet {
 /// A triangulated polytope with its facets in an array without gaps.
 class Polytope {
  public:
-  explicit Polytope(double roundOffLength) : roundOff(roundOffLength) {}
+  Polytope(double roundOffLength, const GrantedCone* cone) : roundOff(roundOffLength), granted(cone) {}
 
   std::array<SupportPoint, maxVertices> vertices;
   int vertexCount = 0;
@@ -26,11 +27,11 @@ class Polytope {
   int count() const { return alive; }
   const Facet& facet(int slot) const { return facets[static_cast<std::size_t>(order[static_cast<std::size_t>(slot)])]; }
 
-  /// Slot of the facet with the least signed distance.
+  /// Slot of the facet with the least bound.
   int nearest() const {
     int best = 0;
     for (int slot = 1; slot < alive; ++slot) {
-      if (facet(slot).distance < facet(best).distance) best = slot;
+      if (facet(slot).bound < facet(best).bound) best = slot;
     }
     return best;
   }
@@ -66,6 +67,13 @@ class Polytope {
     Facet& f = facets[static_cast<std::size_t>(id)];
     f.normal = cross / length;
     f.distance = f.normal.dot(w(i));
+    f.bound = f.distance;
+    if (granted && f.distance > 0) {
+      const double cosine = f.normal.dot(granted->axis);
+      if (cosine > granted->cosine) {
+        f.bound /= granted->cosine * cosine + granted->sine * std::sqrt(std::max(0.0, 1 - cosine * cosine));
+      }
+    }
     f.corner = {i, j, k};
     place[static_cast<std::size_t>(id)] = alive;
     order[static_cast<std::size_t>(alive++)] = id;
@@ -87,6 +95,7 @@ class Polytope {
   };
 
   double roundOff;
+  const GrantedCone* granted;
   std::array<Facet, maxFacets> facets;
   std::array<int, maxFacets> order, place, freeIds;
   int alive = 0, used = 0, freeCount = 0;
@@ -205,9 +214,9 @@ bool makeStart(Difference& c, const Vec3& start, Polytope& polytope, DepthBounds
 
 }  // namespace
 
-DepthBounds boundOverlap(Difference& c, const Vec3& start, double known, double tolerance) {
+DepthBounds boundOverlap(Difference& c, const Vec3& start, double known, double tolerance, const GrantedCone* granted) {
   DepthBounds out;
-  Polytope polytope(8 * std::numeric_limits<double>::epsilon() * c.extent());
+  Polytope polytope(8 * std::numeric_limits<double>::epsilon() * c.extent(), granted);
   if (!makeStart(c, start, polytope, out)) return out;
   if (known < out.upper) {
     out.upper = known;
@@ -217,7 +226,7 @@ DepthBounds boundOverlap(Difference& c, const Vec3& start, double known, double 
   while (out.upper >= 0) {
     const int slot = polytope.nearest();
     const Facet facet = polytope.facet(slot);
-    out.lower = facet.distance;
+    out.lower = facet.bound;
     if (out.lower >= out.upper - tolerance) break;
 
     const SupportPoint p = c.support(facet.normal);

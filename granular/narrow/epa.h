@@ -21,8 +21,17 @@ struct DepthBounds {
   int supports = 0;  ///< support points spent
 };
 
+/// A cone around a local minimum of the depth that is taken for granted: with it the bounds only ask whether any
+/// direction outside is shallower, which a coarse polytope answers. A ray outside the cone leaves a facet of normal m
+/// and distance d no nearer than d / cos(angle - angle between m and the axis).
+struct GrantedCone {
+  Vec3 axis;            ///< unit, A's body axes
+  double cosine, sine;  ///< of the angle
+};
+
 /// Bounds the overlap. start: a guess of the normal (unit, from A to B); known: its depth if it is known to be the
 /// least so far, else infinity; tolerance: m. Stops early when a separating direction turns up (upper < 0).
-DepthBounds boundOverlap(Difference& c, const Vec3& start, double known, double tolerance);
+DepthBounds boundOverlap(Difference& c, const Vec3& start, double known, double tolerance,
+                         const GrantedCone* granted = nullptr);
 
 }  // namespace granular

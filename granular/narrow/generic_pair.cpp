@@ -6,6 +6,7 @@
 #include "granular/narrow/gjk.h"
 #include "granular/narrow/kernels.h"
 #include "granular/narrow/polyhedron_features.h"
+#include "granular/narrow/round_features.h"
 #include "granular/shape/ellipsoid.h"
 
 namespace granular {
@@ -40,32 +41,45 @@ bool takeProposal(Difference& c, const PenetrationAnswer& proposal, LocalMinimum
   return true;
 }
 
-/// True if no direction more than `cone` away from a local minimum can be shallower. The points of C that support a
-/// ring of directions around the normal span a polygon whose inscribed circle about the origin's foot, at the height of
-/// the lowest of them, covers all directions from the cone to beyond the equator; the ball of isGlobal covers the rest.
-/// Inside the cone the descent has been.
+/// Around a minimum that the descent has found no other is looked for within 10 degrees.
+constexpr double grantedCosine = 0.98480775301220806, grantedSine = 0.17364817766693036;
+
+/// True if no direction outside the granted cone around a local minimum can be shallower. The points of C that support
+/// a ring of directions around the normal span sectors; the edge of each, by its distance from the origin's foot and
+/// the lower of its two heights, covers its directions from the cone to beyond the equator, and the ball of isGlobal
+/// the rest.
 bool isGlobalByFan(Difference& c, const LocalMinimum& m) {
-  constexpr int ring = 8;
-  constexpr double tilt = 0.176;                            // tan 10 degrees
-  constexpr double coneCosine = 0.9063, coneSine = 0.4226;  // 25 degrees
+  constexpr std::size_t ring = 8;
+  constexpr double tilt = 0.07;  // tan 4 degrees
+  constexpr double half = 0.70710678118654752;
+  constexpr std::array<std::array<double, 2>, ring> azimuths{
+      {{1, 0}, {half, half}, {0, 1}, {-half, half}, {-1, 0}, {-half, -half}, {0, -1}, {half, -half}}};
   const Vec3 u = perpendicular(m.normal), v = m.normal.cross(u);
   std::array<Vec2, ring> foot;
-  double lowest = infinity;
-  for (int k = 0; k < ring; ++k) {
-    const double azimuth = 2 * pi * k / ring;
-    const Vec3 w = c.support(m.normal + tilt * (std::cos(azimuth) * u + std::sin(azimuth) * v)).w;
-    foot[static_cast<std::size_t>(k)] = {w.dot(u), w.dot(v)};
-    lowest = std::min(lowest, w.dot(m.normal));
+  std::array<double, ring> height;
+  for (std::size_t k = 0; k < ring; ++k) {
+    const Vec3 w = c.support(m.normal + tilt * (azimuths[k][0] * u + azimuths[k][1] * v)).w;
+    foot[k] = {w.dot(u), w.dot(v)};
+    height[k] = w.dot(m.normal);
   }
   double radius = infinity;
   for (std::size_t k = 0; k < ring; ++k) {
-    const Vec2 &p = foot[k], &q = foot[(k + 1) % ring];
-    const double side = (q - p).norm();
-    if (side > 0) radius = std::min(radius, (p.x() * q.y() - p.y() * q.x()) / side);
+    const std::size_t next = (k + 1) % ring;
+    const double side = (foot[next] - foot[k]).norm();
+    if (!(side > 0)) continue;
+    const double reach = (foot[k].x() * foot[next].y() - foot[k].y() * foot[next].x()) / side;
+    if (!(std::min(height[k], height[next]) * grantedCosine + reach * grantedSine >= m.depth)) return false;
+    radius = std::min(radius, reach);
   }
   const double inner = c.shapeA().innerRadius() + c.shapeB().innerRadius();
-  return radius < infinity && lowest * coneCosine + radius * coneSine >= m.depth &&
-         isGlobal(m.normal, m.depth, radius, c.frame().x, inner);
+  return radius < infinity && isGlobal(m.normal, m.depth, radius, c.frame().x, inner);
+}
+
+/// The same by an inscribed polytope, for minima near the rim of a small facet or far from the line of centres.
+bool isGlobalByPolytope(Difference& c, const LocalMinimum& m) {
+  const GrantedCone cone{m.normal, grantedCosine, grantedSine};
+  const DepthBounds bounds = boundOverlap(c, m.normal, m.depth, 0, &cone);
+  return bounds.met && bounds.upper >= m.depth - tolerance::certificate * c.size();
 }
 
 /// With a shape that a ball rolls around inside, the overlap is the layers taken off less the distance of what is left:
@@ -154,12 +168,15 @@ bool touchConvex(const PairView& pair, WarmCache& cache, NarrowCounts& counts, T
 
   // Warm and touching: the minimum next to the last normal, if nothing away from it can be shallower.
   if (cache.touched && !pair.searchAlways) {
-    const LocalMinimum local = descend(c, cache.direction);
+    const RoundFeature feature = findRoundFeature(c, cache.direction);
+    const LocalMinimum local = feature.holds ? feature.minimum : descend(c, cache.direction);
     if (!(local.depth > 0)) {
       ++counts.warm;
       return reportApart(local.normal, -local.depth, cache);
     }
-    if (isGlobalByFan(c, local)) {
+    const double inner = pair.a.innerRadius() + pair.b.innerRadius();
+    if (isGlobal(local.normal, local.depth, feature.margin, c.frame().x, inner) || isGlobalByFan(c, local) ||
+        isGlobalByPolytope(c, local)) {
       ++counts.warm;
       return reportTouch(pair, WarmCache::smooth, local, cache, counts, touch);
     }

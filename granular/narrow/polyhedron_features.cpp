@@ -51,6 +51,23 @@ Polygon clipToInside(const Polygon& polygon, const Vec3& from, const Vec3& inwar
 
 }  // namespace
 
+double faceMargin(const PolyhedronTables& tables, std::int32_t face, const Vec3& p) {
+  const Vec3& n = tables.faceNormals[static_cast<std::size_t>(face)];
+  const auto begin = static_cast<std::size_t>(tables.faceBegin[static_cast<std::size_t>(face)]);
+  const auto end = static_cast<std::size_t>(tables.faceBegin[static_cast<std::size_t>(face) + 1]);
+  // Signed squares of the distances from the edges: one root at the end.
+  double least = infinity;
+  Vec3 from = vertexOf(tables, tables.faceCorners[end - 1]);
+  for (std::size_t k = begin; k < end; ++k) {
+    const Vec3& to = vertexOf(tables, tables.faceCorners[k]);
+    const Vec3 edge = to - from;
+    const double area = n.dot(edge.cross(p - from));
+    least = std::min(least, area * std::abs(area) / edge.squaredNorm());
+    from = to;
+  }
+  return least < 0 ? -std::sqrt(-least) : std::sqrt(least);
+}
+
 FeatureCheck checkFace(const PolyhedronTables& reference, std::int32_t face, const PolyhedronTables& other,
                        const Frame& frame, double tie, std::int32_t& vertex) {
   const Vec3 n = reference.faceNormals[static_cast<std::size_t>(face)];
@@ -63,20 +80,9 @@ FeatureCheck checkFace(const PolyhedronTables& reference, std::int32_t face, con
   out.minimum.onB = p;
   out.minimum.onA = p + out.minimum.depth * n;
 
-  // Signed distance of the vertex's foot from every edge of the face, squared.
-  const auto begin = static_cast<std::size_t>(reference.faceBegin[static_cast<std::size_t>(face)]);
-  const auto end = static_cast<std::size_t>(reference.faceBegin[static_cast<std::size_t>(face) + 1]);
-  double least = infinity;
-  Vec3 from = vertexOf(reference, reference.faceCorners[end - 1]);
-  for (std::size_t k = begin; k < end; ++k) {
-    const Vec3& to = vertexOf(reference, reference.faceCorners[k]);
-    const Vec3 edge = to - from;
-    const double area = n.dot(edge.cross(p - from));
-    least = std::min(least, area * std::abs(area) / edge.squaredNorm());
-    from = to;
-  }
-  out.holds = least >= -tie * tie;
-  out.margin = least > 0 ? std::sqrt(least) : 0;
+  const double margin = faceMargin(reference, face, p);
+  out.holds = margin >= -tie;
+  out.margin = std::max(0.0, margin);
   return out;
 }
 

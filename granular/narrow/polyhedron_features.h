@@ -21,6 +21,9 @@ struct FeatureCheck {
 FeatureCheck checkFace(const PolyhedronTables& reference, std::int32_t face, const PolyhedronTables& other,
                        const Frame& frame, double tie, std::int32_t& vertex);
 
+/// Signed distance of the foot of p on the face from its rim, positive inside, m (outside: at least in sign).
+double faceMargin(const PolyhedronTables& tables, std::int32_t face, const Vec3& p);
+
 /// An edge of A against an edge of B, which lies at `frame` in A's axes.
 FeatureCheck checkEdges(const PolyhedronTables& a, std::int32_t edgeA, const PolyhedronTables& b, std::int32_t edgeB,
                         const Frame& frame, double tie);
