@@ -62,64 +62,30 @@ bool isOverFacet(const FacetQuery& f) {
   return over;
 }
 
-/// True if part of the segment a-b lies in the box.
-bool reaches(const Aabb& box, const Vec3& a, const Vec3& b) {
-  double first = 0, last = 1;
-  const Vec3 along = b - a;
-  for (int k = 0; k < 3; ++k) {
-    const double toLo = box.lo[k] - a[k], toHi = box.hi[k] - a[k];
-    if (along[k] == 0) {
-      if (toLo > 0 || toHi < 0) return false;
-      continue;
-    }
-    const double s = toLo / along[k], t = toHi / along[k];
-    first = std::max(first, std::min(s, t));
-    last = std::min(last, std::max(s, t));
-  }
-  return first <= last;
-}
-
 /// What of a body's surface lies over a facet.
 struct FacetPart {
-  double overlap = 0;   ///< the largest depth there, m
-  double fraction = 1;  ///< of the sunken surface
-  double flatness = 1;  ///< cosine of the surface to the facet
-  bool broad = false;   ///< it has an area or a length
-  AreaMoments moments;
-  Vec3 middle;  ///< of the part, world axes
+  double overlap;       ///< the largest depth there, m
+  double fraction = 1;  ///< of the area of the sunken surface
+  SunkenPart sunken;
+  Vec3 middle;  ///< world axes
 };
 
-/// The convex ridges of the facet that the body reaches: is there any, and how far is the way off the facet over the
-/// nearest of them, as a fraction of the depth? A body that has less way to go over a ridge than up is not held by this
-/// facet.
+/// The convex ridges of the facet that the body reaches: is there any, and how deep is the body below their wedges?
 struct RimCheck {
   bool near = false;
-  double slide = infinity;
+  double least = infinity;  ///< m
 };
-RimCheck checkRims(const FacetQuery& f, const FacetPart& part, const SunkenSurface& surface,
-                   std::span<const SunkenPoint> corners) {
+RimCheck checkRims(const FacetQuery& f, const FacetPart& part) {
   const FacetMesh& mesh = f.query.mesh;
-  const Aabb box = f.query.shape.bounds(Frame()).grown(tolerance::tie * mesh.extent + f.depth);
   RimCheck check;
-  std::int32_t last = -1;
-  for (std::int32_t t : f.triangles)
-    for (std::int32_t number : mesh.triangleRidges[at(t)]) {
-      if (number < 0 || number == last || !mesh.ridges[at(number)].convex) continue;
-      last = number;
-      const Ridge& ridge = mesh.ridges[at(number)];
-      const Vec3& a = mesh.vertices[at(ridge.a)];
-      if (!reaches(box, f.query.frame.toBody(a), f.query.frame.toBody(mesh.vertices[at(ridge.b)]))) continue;
-      check.near = true;
-      // A facet that is not convex goes on beyond the line of its ridge.
-      const Vec3& inwards = ridge.left == f.facet ? ridge.intoLeft : ridge.intoRight;
-      if (inwards.dot(part.middle - a) < 0) continue;
-      // How far in the part over the facet reaches; around a lone point, the body.
-      double way = part.broad ? 0 : inwards.dot(f.query.support(inwards) - a);
-      if (part.broad)
-        for (const SunkenPoint& corner : corners)
-          way = std::max(way, inwards.dot(surface.view().lift(corner.place, 0) - a));
-      check.slide = std::min(check.slide, way / part.overlap);
-    }
+  for (const RidgeDepth& depth : f.query.ridges) {
+    const Ridge& ridge = mesh.ridges[at(depth.ridge)];
+    if (ridge.left != f.facet && ridge.right != f.facet) continue;
+    check.near = check.near || depth.near;
+    // A facet that is not convex goes on beyond the line of its ridge.
+    const Vec3& inwards = ridge.left == f.facet ? ridge.intoLeft : ridge.intoRight;
+    if (inwards.dot(part.middle - mesh.vertices[at(ridge.a)]) >= 0) check.least = std::min(check.least, depth.least);
+  }
   return check;
 }
 
@@ -141,29 +107,27 @@ bool leavesSolid(const FacetQuery& f, const Vec3& foot, double depth) {
   return false;
 }
 
-/// The integrals over the part of the surface that lies over the facet, and the part's corners.
-AreaMoments integrateOver(const FacetQuery& f, const SunkenSurface& surface, std::vector<SunkenPoint>& corners) {
-  AreaMoments moments;
+/// The part of the surface that lies over the facet.
+SunkenPart cutOut(const FacetQuery& f, const SunkenSurface& surface) {
+  SunkenPart part;
   thread_local Polygon triangle;
   for (std::int32_t t : f.triangles) {
     // Seen from inside the wall, counter-clockwise runs backwards.
     triangle.count = 0;
     for (std::size_t k : {2, 1, 0}) triangle.push(surface.view().project(f.corner(t, k)), noEdge);
-    surface.integrateInside(triangle, moments, corners);
+    surface.addInside(triangle, part);
   }
-  return moments;
+  return part;
 }
 
-void measurePart(const FacetQuery& f, SunkenSurface& surface, std::vector<SunkenPoint>& corners, FacetPart& part) {
+void measurePart(const FacetQuery& f, SunkenSurface& surface, FacetPart& part) {
   surface.look(f.plane, f.deepest, f.query.shape, f.query.frame);
-  part.flatness = surface.flatness();
   if (surface.dimension() == 1) return;
   const double whole = surface.integrateWhole().area;
-  part.moments = integrateOver(f, surface, corners);
-  part.fraction = whole > 0 ? part.moments.area / whole : 0;
-  part.broad = part.moments.area > 0 && part.moments.volume > 0;
-  for (const SunkenPoint& corner : corners) part.overlap = std::max(part.overlap, corner.depth);
-  if (part.broad) part.middle = surface.view().lift(part.moments.centroidOfVolume(), 0);
+  part.sunken = cutOut(f, surface);
+  part.fraction = whole > 0 ? part.sunken.moments.area / whole : 0;
+  part.overlap = std::max(part.overlap, part.sunken.deepest);
+  if (part.sunken.isBroad()) part.middle = surface.view().lift(part.sunken.moments.centroidOfVolume(), 0);
 }
 
 /// Places a contact that rims cut.
@@ -171,15 +135,13 @@ void placePart(const FacetQuery& f, bool over, const FacetPart& part, SunkenSurf
   const PointRule rule = f.query.rule.rule;
   if (rule == PointRule::faceCentroid) {
     surface.lookAtFeature(f.plane, f.deepest, f.query.rule.slab * f.depth, f.query.shape, f.query.frame);
-    thread_local std::vector<SunkenPoint> corners;
-    corners.clear();
-    const AreaMoments moments = integrateOver(f, surface, corners);
+    const AreaMoments moments = cutOut(f, surface).moments;
     if (moments.volume > 0) return surface.place(rule, moments, out);
     surface.look(f.plane, f.deepest, f.query.shape, f.query.frame);
   }
   // The deepest point may lie beside the facet.
   const bool deepestRule = rule == PointRule::witness || rule == PointRule::manifold;
-  surface.place(deepestRule && !over ? PointRule::pressureCentroid : rule, part.moments, out);
+  surface.place(deepestRule && !over ? PointRule::pressureCentroid : rule, part.sunken.moments, out);
 }
 
 }  // namespace
@@ -200,22 +162,22 @@ bool touchFacet(const MeshQuery& query, std::int32_t facet, std::span<const std:
   // What lies over the facet: the whole where no rim is near, else what its triangles cut out, or just the deepest
   // point.
   const bool over = isOverFacet(f);
-  thread_local std::vector<SunkenPoint> corners;
-  corners.clear();
   FacetPart part;
   part.overlap = over ? f.depth : 0;
   part.middle = f.deepest + 0.5 * f.depth * plane.normal;
-  bool entire = over && !checkRims(f, part, surface, corners).near;
-  RimCheck rims;
+  RimCheck rims = checkRims(f, part);
+  bool entire = over && !rims.near;
   if (!entire) {
-    measurePart(f, surface, corners, part);
-    if (!over && !part.broad) return false;
+    measurePart(f, surface, part);
+    if (!over && !part.sunken.isBroad()) return false;
     entire = over && part.fraction > 1 - tolerance::certificate;
-    rims = checkRims(f, part, surface, corners);
+    rims = checkRims(f, part);
   }
 
   // Is this facet the one that holds the body?
-  if (rims.slide <= 0.5) return false;
+  double fade = leastWeight(rims.least, part.overlap);
+  if (!over) fade *= part.sunken.flatness();
+  if (!(fade > 0)) return false;
   if (leavesSolid(f, part.middle + plane.depth(part.middle) * plane.normal, part.overlap)) return false;
 
   WallTouch& touch = out.touch;
@@ -225,11 +187,11 @@ bool touchFacet(const MeshQuery& query, std::int32_t facet, std::span<const std:
     placeOnPlane(query.rule, query.shape, query.frame, plane, f.deepest, surface, touch.patch);
   else
     placePart(f, over, part, surface, touch.patch);
-  touch.share = part.overlap * (entire ? 1 : part.fraction) * std::min(1.0, 2 * rims.slide - 1) *
-                (over ? 1 : flatWeight(part.flatness));
   out.part = facet;
-  out.broad = entire || part.broad;
-  return touch.share > 0;
+  out.claim.full = part.overlap * (entire ? 1 : part.fraction);
+  out.claim.weight = fade * out.claim.full;
+  out.broad = entire || part.sunken.isBroad();
+  return true;
 }
 
 }  // namespace granular

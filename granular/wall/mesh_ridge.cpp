@@ -14,62 +14,138 @@ namespace {
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
-/// The least depth of a body below a ridge: n points out of the wall, towards the grains.
-struct RidgeDepth {
-  Vec3 normal;
-  double overlap;
-  Vec3 deepest;  ///< of the body, straight below the ridge's line, world axes
+/// The fan of normals of a ridge, from those of the left facet to those of the right one.
+struct NormalFan {
+  const MeshQuery& query;
+  const Ridge& ridge;
+  Vec3 first, across;  ///< unit, perpendicular to the ridge and to each other: the normal at angle t is first cos t +
+                       ///< across sin t
+  double opening;      ///< rad
+
+  NormalFan(const MeshQuery& q, const Ridge& r)
+      : query(q), ridge(r), first(q.mesh.facets[at(r.left)].normal), across(-r.intoLeft) {
+    const Vec3 last = r.right < 0 ? across : q.mesh.facets[at(r.right)].normal;
+    opening = std::atan2(std::max(0.0, last.dot(across)), last.dot(first));
+  }
+  Vec3 normalAt(double t) const { return std::cos(t) * first + std::sin(t) * across; }
+  Vec3 turn(double t) const { return std::cos(t) * across - std::sin(t) * first; }
+  const Vec3& start() const { return query.mesh.vertices[at(ridge.a)]; }
 };
 
-/// A sphere: the normal runs from the ridge to the centre.
-bool findSphereDepth(const MeshQuery& query, const Ridge& ridge, RidgeDepth& out) {
-  const Vec3 from = query.frame.x - query.mesh.vertices[at(ridge.a)];
-  const Vec3 across = from - ridge.direction * ridge.direction.dot(from);
-  const double distance = across.norm(), radius = query.shape.boundingRadius();
-  if (!(distance > 0 && distance < radius)) return false;
-  out.normal = across / distance;
-  out.overlap = radius - distance;
-  out.deepest = query.frame.x - radius * out.normal;
-  return out.normal.dot(ridge.intoLeft) <= 0 && out.normal.dot(ridge.intoRight) <= 0;
+/// A normal of the fan and the body's lowest point for it. The depth h falls with t where the point lies ahead.
+struct FanSample {
+  double angle, depth;
+  bool falls;
+  Vec3 lowest;
+};
+FanSample sampleFan(const NormalFan& fan, double angle) {
+  const Vec3 n = fan.normalAt(angle), lowest = fan.query.support(-n);
+  return {angle, n.dot(fan.start() - lowest), fan.turn(angle).dot(lowest - fan.start()) > 0, lowest};
 }
 
-/// Any shape. Seen along the ridge, the body's lowest points for the normals of the two facets, p and q, lie beyond the
-/// ridge on either side. Normals perpendicular to the chord p-q find lower points, until none is left: there p and q
-/// are equally deep, and the ridge lies between them.
-bool findGenericDepth(const MeshQuery& query, const Ridge& ridge, RidgeDepth& out) {
-  const Vec3& e = ridge.direction;
-  const Vec3& start = query.mesh.vertices[at(ridge.a)];
-  const Vec3 first = query.mesh.facets[at(ridge.left)].normal;
-  const Vec3 last = ridge.right < 0 ? Vec3(-ridge.intoLeft) : query.mesh.facets[at(ridge.right)].normal;
-  const Vec3 outwards = first + last - ridge.intoLeft - ridge.intoRight;
-  Vec3 p = query.support(-first), q = query.support(-last);
-  if (!(first.dot(start - p) > 0 && last.dot(start - q) > 0)) return false;
-  if (!(ridge.intoLeft.dot(p - start) < 0 && ridge.intoRight.dot(q - start) < 0)) return false;
-
-  Vec3 n, along;
+/// The minimum between two samples, h falling at the first and rising at the second. Seen along the ridge, their lowest
+/// points p and q lie on either side of it. Normals perpendicular to the chord p-q find lower points, until none is
+/// left: there p and q are equally deep, and the ridge lies between them.
+void closeIn(const NormalFan& fan, const FanSample& falling, const FanSample& rising, RidgeDepth& best) {
+  const Vec3& e = fan.ridge.direction;
+  const Vec3 outwards = fan.normalAt(0.5 * (falling.angle + rising.angle));
+  Vec3 p = falling.lowest, q = rising.lowest, n, along;
   for (int iteration = 0; iteration < 100; ++iteration) {
-    // Perpendicular to ridge and chord, outwards. As n turns from the first facet to the last, the lowest point moves
-    // from p to q, against the turn.
     Vec3 chord = q - p;
     chord -= e * e.dot(chord);
     const double length = chord.norm();
-    if (!(length > 0)) return false;
+    if (!(length > 0)) return;
     along = chord / length;
     n = along.cross(e);
     if (n.dot(outwards) < 0) n = -n;
-    const Vec3 lower = query.support(-n);
+    const Vec3 lower = fan.query.support(-n);
     const double gain = n.dot(p - lower);
-    if (!(gain > tolerance::onSurface * query.shape.boundingRadius())) break;
-    (along.dot(lower - start) < 0 ? p : q) = lower;
+    if (!(gain > tolerance::onSurface * fan.query.shape.boundingRadius())) break;
+    (along.dot(lower - fan.start()) < 0 ? p : q) = lower;
   }
 
   // The point between p and q straight below the ridge.
-  const double tp = along.dot(p - start), tq = along.dot(q - start);
-  if (!(tp <= 0 && tq >= 0 && tp < tq)) return false;
-  out.deepest = p + tp / (tp - tq) * (q - p);
-  out.normal = n;
-  out.overlap = n.dot(start - out.deepest);
-  return out.overlap > 0 && n.dot(ridge.intoLeft) <= 0 && n.dot(ridge.intoRight) <= 0;
+  const double tp = along.dot(p - fan.start()), tq = along.dot(q - fan.start());
+  if (!(tp <= 0 && tq >= 0 && tp < tq)) return;
+  const Vec3 deepest = p + tp / (tp - tq) * (q - p);
+  const double overlap = n.dot(fan.start() - deepest);
+  best.least = std::min(best.least, overlap);
+  if (n.dot(fan.ridge.intoLeft) > 0 || n.dot(fan.ridge.intoRight) > 0) return;
+  if (best.found && best.overlap <= overlap) return;
+  best.found = true;
+  best.normal = n;
+  best.overlap = overlap;
+  best.deepest = deepest;
+}
+
+/// A sphere: the normal runs from the ridge to the centre.
+void closeInOnSphere(const NormalFan& fan, RidgeDepth& best) {
+  const Vec3 from = fan.query.frame.x - fan.start();
+  const Vec3 away = from - fan.ridge.direction * fan.ridge.direction.dot(from);
+  const double distance = away.norm(), radius = fan.query.shape.boundingRadius();
+  if (!(distance > 0)) return;
+  const Vec3 n = away / distance;
+  if (n.dot(fan.ridge.intoLeft) > 0 || n.dot(fan.ridge.intoRight) > 0) return;
+  best.found = distance < radius;
+  best.normal = n;
+  best.least = best.overlap = radius - distance;
+  best.deepest = fan.query.frame.x - radius * n;
+}
+
+/// True if the segment (body axes) lies within all faces somewhere.
+bool meetsFaces(const PolyhedronTables& tables, const Vec3& a, const Vec3& b) {
+  double first = 0, last = 1;
+  for (std::size_t k = 0; k < tables.faceNormals.size(); ++k) {
+    const double from = tables.faceOffsets[k] - tables.faceNormals[k].dot(a);
+    const double to = tables.faceOffsets[k] - tables.faceNormals[k].dot(b);
+    if (from < 0 && to < 0) return false;
+    if (from < 0) first = std::max(first, from / (from - to));
+    if (to < 0) last = std::min(last, from / (from - to));
+  }
+  return first <= last;
+}
+
+/// True if a point of the segment (body axes) lies in the shape.
+bool meetsSegment(const Shape& shape, const Vec3& a, const Vec3& b) {
+  if (shape.kind() == ShapeKind::cuboid || shape.kind() == ShapeKind::polyhedron)
+    return meetsFaces(static_cast<const Polyhedron&>(shape).tables(), a, b);
+
+  // Others: the factor by which the shape would have to grow about its centre to hold a point is convex along the
+  // segment: search for the least, and stop at the first point inside.
+  const auto growth = [&](const Vec3& p) {
+    double lo = 0, hi = 1;  // p times lo is inside, times hi is not
+    for (int k = 0; k < 50 && hi - lo > tolerance::tie; ++k)
+      (shape.contains(0.5 * (lo + hi) * p) ? lo : hi) = 0.5 * (lo + hi);
+    return 1 / hi;
+  };
+  double lo = 0, hi = 1;
+  for (int k = 0; k < 60; ++k) {
+    const double third = (hi - lo) / 3;
+    const Vec3 p = a + (lo + third) * (b - a), q = a + (hi - third) * (b - a);
+    if (shape.contains(p) || shape.contains(q)) return true;
+    if (growth(p) > growth(q))
+      lo += third;
+    else
+      hi -= third;
+  }
+  return false;
+}
+
+/// True if the body's own box reaches the ridge.
+bool reachesRidge(const MeshQuery& query, const Aabb& bodyBox, const Ridge& ridge) {
+  const Vec3 a = query.frame.toBody(query.mesh.vertices[at(ridge.a)]);
+  const Vec3 b = query.frame.toBody(query.mesh.vertices[at(ridge.b)]);
+  double first = 0, last = 1;
+  for (int k = 0; k < 3; ++k) {
+    const double toLo = bodyBox.lo[k] - a[k], toHi = bodyBox.hi[k] - a[k], along = b[k] - a[k];
+    if (along == 0) {
+      if (toLo > 0 || toHi < 0) return false;
+      continue;
+    }
+    first = std::max(first, std::min(toLo / along, toHi / along));
+    last = std::min(last, std::max(toLo / along, toHi / along));
+  }
+  return first <= last;
 }
 
 /// How much of a contact with normal n is left to a lesser part beside the facets it borders.
@@ -116,62 +192,78 @@ double findDepth(const MeshQuery& query, const Vec3& point, Vec3& outward) {
   return touch.overlap - probe.radius();
 }
 
-/// The stretch of a ridge that a flat face or a straight piece of the body shares with it.
-AreaMoments measureStretch(const MeshQuery& query, const Ridge& ridge, const RidgeDepth& depth, SunkenSurface& surface,
-                           double& deepest) {
-  thread_local std::vector<SunkenPoint> corners;
-  corners.clear();
-  const Plane plane{depth.normal, depth.normal.dot(query.mesh.vertices[at(ridge.a)])};
-  surface.look(plane, depth.deepest, query.shape, query.frame);
-  AreaMoments moments;
-  if (surface.dimension() > 1) {
-    const ContactPlane& view = surface.view();
-    surface.integrateAlong(
-        {view.project(query.mesh.vertices[at(ridge.a)]), view.project(query.mesh.vertices[at(ridge.b)])}, moments,
-        corners);
-    for (const SunkenPoint& corner : corners) deepest = std::max(deepest, corner.depth);
-  }
-  return moments;
+/// The stretch of a ridge that flat faces or a straight piece of the body share with it.
+SunkenPart measureStretch(const MeshQuery& query, const RidgeDepth& depth, SunkenSurface& surface) {
+  SunkenPart part;
+  const Ridge& ridge = query.mesh.ridges[at(depth.ridge)];
+  const Vec3 &a = query.mesh.vertices[at(ridge.a)], &b = query.mesh.vertices[at(ridge.b)];
+  surface.look({depth.normal, depth.normal.dot(a)}, depth.deepest, query.shape, query.frame);
+  if (surface.dimension() > 1) surface.addAlong({surface.view().project(a), surface.view().project(b)}, part);
+  return part;
 }
 
 }  // namespace
 
-bool touchRidge(const MeshQuery& query, std::int32_t number, std::span<const PartTouch> facets, SunkenSurface& surface,
-                PartTouch& out) {
+RidgeDepth findRidgeDepth(const MeshQuery& query, const Aabb& bodyBox, std::int32_t number) {
   const Ridge& ridge = query.mesh.ridges[at(number)];
-  const bool sphere = query.shape.kind() == ShapeKind::sphere;
-  RidgeDepth depth;
-  if (!(sphere ? findSphereDepth(query, ridge, depth) : findGenericDepth(query, ridge, depth))) return false;
+  RidgeDepth best{number, 0, reachesRidge(query, bodyBox, ridge), false, Vec3::Zero(), 0, Vec3::Zero()};
+  const NormalFan fan(query, ridge);
+  const FanSample first = sampleFan(fan, 0), last = sampleFan(fan, fan.opening);
+  best.least = std::min(first.depth, last.depth);
+  if (!(best.least > 0)) return best;
+  if (query.shape.kind() == ShapeKind::sphere) {
+    closeInOnSphere(fan, best);
+  } else if (first.falls && !last.falls) {
+    closeIn(fan, first, last, best);
+  } else {
+    // The least depth lies at a facet; there may be another minimum in between.
+    constexpr int parts = 8;
+    FanSample before = first;
+    for (int k = 1; k <= parts; ++k) {
+      const FanSample here = k == parts ? last : sampleFan(fan, fan.opening * k / parts);
+      best.least = std::min(best.least, here.depth);
+      if (before.falls && !here.falls) closeIn(fan, before, here, best);
+      before = here;
+    }
+  }
+  best.found = best.found && best.least > 0;
+  return best;
+}
 
-  // Where along the ridge: at the deepest point, or over the stretch that a flat face shares with it.
-  const Vec3& a = query.mesh.vertices[at(ridge.a)];
-  const double along = ridge.direction.dot(depth.deepest - a);
-  const bool within = along >= 0 && along <= ridge.length;
-  double overlap = within ? depth.overlap : 0;
-  AreaMoments moments;
-  if (!sphere) moments = measureStretch(query, ridge, depth, surface, overlap);
-  const bool broad = moments.area > 0 && moments.volume > 0;
-  if (!within && !broad) return false;
+bool touchRidge(const MeshQuery& query, const RidgeDepth& depth, std::span<const PartTouch> facets,
+                SunkenSurface& surface, PartTouch& out) {
+  const double leastWay = depth.found && depth.near ? leastWeight(depth.least, depth.overlap) : 0;
+  if (!(leastWay > 0)) return false;
 
   // The ridge itself must be inside the body, not only its line.
-  const Vec3 place = broad ? surface.view().lift(moments.centroidOfVolume(), 0) : depth.deepest;
-  const Vec3 onRidge = a + std::clamp(ridge.direction.dot(place - a), 0.0, ridge.length) * ridge.direction;
-  if (!sphere && !query.shape.contains(query.frame.toBody(onRidge))) return false;
+  const Ridge& ridge = query.mesh.ridges[at(depth.ridge)];
+  const Vec3 &a = query.mesh.vertices[at(ridge.a)], &b = query.mesh.vertices[at(ridge.b)];
+  const double along = ridge.direction.dot(depth.deepest - a);
+  const Vec3 below = a + std::clamp(along, 0.0, ridge.length) * ridge.direction;
+  if (!query.shape.contains(query.frame.toBody(below)) &&
+      !meetsSegment(query.shape, query.frame.toBody(a), query.frame.toBody(b)))
+    return false;
+
+  // Where along it: at the deepest point, or over the stretch that a flat face shares with it.
+  const bool within = along >= 0 && along <= ridge.length;
+  SunkenPart part;
+  if (query.shape.kind() != ShapeKind::sphere) part = measureStretch(query, depth, surface);
+  if (!within && !part.isBroad()) return false;
 
   WallTouch& touch = out.touch;
   touch.normal = -depth.normal;
-  touch.overlap = overlap;
-  touch.share =
-      overlap * besideFacets(query, ridge, depth.normal, facets) * (within ? 1 : flatWeight(surface.flatness()));
+  touch.overlap = within ? depth.overlap : part.deepest;
   const PointRule rule = query.rule.rule;
   const bool deepestRule = rule == PointRule::witness || rule == PointRule::manifold;
-  if (broad && !(deepestRule && within))
-    surface.place(deepestRule ? PointRule::pressureCentroid : rule, moments, touch.patch);
+  if (part.isBroad() && !(deepestRule && within))
+    surface.place(deepestRule ? PointRule::pressureCentroid : rule, part.moments, touch.patch);
   else
-    placePoint(depth.deepest + 0.5 * overlap * depth.normal, perpendicular(touch.normal), touch.patch);
-  out.part = number;
-  out.broad = broad;
-  return touch.share > 0;
+    placePoint(depth.deepest + 0.5 * depth.overlap * depth.normal, perpendicular(touch.normal), touch.patch);
+  out.part = depth.ridge;
+  out.broad = part.isBroad();
+  const double beside = besideFacets(query, ridge, depth.normal, facets) * (within ? 1 : part.flatness());
+  out.claim = {touch.overlap * leastWay * beside, touch.overlap};
+  return out.claim.weight > 0;
 }
 
 bool touchCorner(const MeshQuery& query, std::int32_t number, std::span<const PartTouch> facets,
@@ -202,11 +294,11 @@ bool touchCorner(const MeshQuery& query, std::int32_t number, std::span<const Pa
   WallTouch& touch = out.touch;
   touch.normal = normal;
   touch.overlap = overlap;
-  touch.share = overlap * weight;
   placePoint(vertex + 0.5 * overlap * normal, perpendicular(normal), touch.patch);
   out.part = number;
   out.broad = false;
-  return touch.share > 0;
+  out.claim = {overlap * weight, overlap};
+  return weight > 0;
 }
 
 }  // namespace granular

@@ -19,7 +19,9 @@ constexpr double reach = 0.1;
 /// Working memory of one thread, kept between calls.
 struct Scratch {
   std::vector<std::int32_t> triangles, ridges, corners;
+  std::vector<RidgeDepth> ridgeDepths;
   std::vector<PartTouch> facetTouches, ridgeTouches, cornerTouches;
+  std::vector<Claim> claims;
   SunkenSurface surface;
 };
 
@@ -41,23 +43,28 @@ class MeshWall final : public Wall {
     scratch.triangles.clear();
     tree.findOverlapping(shape.bounds(frame).grown(reach * shape.boundingRadius()), scratch.triangles);
     if (scratch.triangles.empty()) return;
-    const MeshQuery query{mesh, shape, frame, rule, scratch.triangles};
+    MeshQuery query{mesh, shape, frame, rule, scratch.triangles, {}};
+    findRidges(query, scratch);
+    query.ridges = scratch.ridgeDepths;
     touchFacets(query, scratch);
     touchRidges(query, scratch);
     touchCorners(query, scratch);
 
     // Spots count the parts of each kind in turn: facets 0, 3, 6 ...; ridges 1, 4, 7 ...; corners 2, 5, 8 ...
     const auto begin = static_cast<std::ptrdiff_t>(out.size());
+    scratch.claims.clear();
     std::int32_t kind = 0;
     for (const auto* touches : {&scratch.facetTouches, &scratch.ridgeTouches, &scratch.cornerTouches}) {
       for (const PartTouch& part : *touches) {
         out.push_back(part.touch);
         out.back().spot = 3 * part.part + kind;
+        scratch.claims.push_back(part.claim);
       }
       ++kind;
     }
-    std::sort(out.begin() + begin, out.end(), [](const WallTouch& s, const WallTouch& t) { return s.spot < t.spot; });
-    shareStiffness({out.begin() + begin, out.end()});
+    const std::span<WallTouch> mine(out.begin() + begin, out.end());
+    shareStiffness(scratch.claims, mine);
+    std::sort(mine.begin(), mine.end(), [](const WallTouch& s, const WallTouch& t) { return s.spot < t.spot; });
   }
 
   double clearance(const Vec3& centre, double radius) const override {
@@ -115,16 +122,23 @@ class MeshWall final : public Wall {
     }
   }
 
-  void touchRidges(const MeshQuery& query, Scratch& scratch) const {
+  void findRidges(const MeshQuery& query, Scratch& scratch) const {
     scratch.ridges.clear();
-    scratch.ridgeTouches.clear();
+    scratch.ridgeDepths.clear();
     for (std::int32_t t : query.triangles)
       for (std::int32_t ridge : mesh.triangleRidges[at(t)])
         if (ridge >= 0 && mesh.ridges[at(ridge)].convex) scratch.ridges.push_back(ridge);
+    if (scratch.ridges.empty()) return;
     keepUnique(scratch.ridges);
-    for (std::int32_t ridge : scratch.ridges) {
+    const Aabb box = query.shape.bounds(Frame());
+    for (std::int32_t ridge : scratch.ridges) scratch.ridgeDepths.push_back(findRidgeDepth(query, box, ridge));
+  }
+
+  void touchRidges(const MeshQuery& query, Scratch& scratch) const {
+    scratch.ridgeTouches.clear();
+    for (const RidgeDepth& depth : query.ridges) {
       PartTouch touch;
-      if (touchRidge(query, ridge, scratch.facetTouches, scratch.surface, touch)) scratch.ridgeTouches.push_back(touch);
+      if (touchRidge(query, depth, scratch.facetTouches, scratch.surface, touch)) scratch.ridgeTouches.push_back(touch);
     }
   }
 

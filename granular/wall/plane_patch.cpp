@@ -23,7 +23,6 @@ void SunkenSurface::look(const Plane& wall, const Vec3& deepest, const Shape& sh
   plane = viewOf(wall, deepest);
   overlap = wall.depth(deepest);
   pieces.clear();
-  cosine = 1;
   kind = 1;
   if (shape.kind() == ShapeKind::sphere || shape.kind() == ShapeKind::ellipsoid) return;
 
@@ -39,7 +38,7 @@ void SunkenSurface::look(const Plane& wall, const Vec3& deepest, const Shape& sh
     lineDepth.offset += 0.5 * overlap;
     const Vec2 along = line.to - line.from;
     const double length = along.norm();
-    cosine = length > 0 ? 1 / std::hypot(1, lineDepth.slope.dot(along) / length) : 0;
+    lineFlat = length > 0 ? flatWeight(1 / std::hypot(1, lineDepth.slope.dot(along) / length)) : 0;
     if (!clipSegment(lineDepth, line)) kind = 1;
   }
 }
@@ -57,13 +56,13 @@ void SunkenSurface::lookAtFaces(const SurfaceSide& side) {
     Piece& piece = pieces.emplace_back();
     piece.depth = side.findHeight(faces[k]);
     piece.depth.offset += 0.5 * overlap;
+    piece.flat = flatWeight(1 / std::sqrt(1 + piece.depth.slope.squaredNorm()));
     side.projectFace(faces[k], piece.region);
     clipPolygon(piece.depth, noEdge, piece.region);
     for (int e = 0; e < piece.region.count; ++e)
       if (piece.depth.at(piece.region[e]) > 0 || piece.depth.at(piece.region[piece.region.next(e)]) > 0)
         add(piece.region.edge(e));
   }
-  if (!pieces.empty()) cosine = 1 / std::sqrt(1 + pieces[0].depth.slope.squaredNorm());
 }
 
 void SunkenSurface::lookAtFeature(const Plane& wall, const Vec3& deepest, double slab, const Shape& shape,
@@ -71,7 +70,6 @@ void SunkenSurface::lookAtFeature(const Plane& wall, const Vec3& deepest, double
   plane = viewOf(wall, deepest);
   overlap = wall.depth(deepest);
   pieces.clear();
-  cosine = 1;
   Feature feature;
   shape.supportFeature(frame.unrotate(plane.n), slab, feature);
   kind = std::min(feature.count, 3);
@@ -82,6 +80,7 @@ void SunkenSurface::lookAtFeature(const Plane& wall, const Vec3& deepest, double
     Piece& piece = pieces.emplace_back();
     piece.region.count = 0;
     piece.depth = {1, Vec2::Zero()};
+    piece.flat = 1;
     for (int k = 0; k < feature.count; ++k) piece.region.push(plane.project(frame.toWorld(feature[k])), noEdge);
   }
 }
@@ -93,41 +92,39 @@ AreaMoments SunkenSurface::integrateWhole() const {
   return moments;
 }
 
-void SunkenSurface::addStretch(const Segment& part, const Linear& depth, AreaMoments& moments,
-                               std::vector<SunkenPoint>& corners) const {
-  moments += integrate(part, overlap, depth.at(part.from), depth.at(part.to));
-  for (const Vec2& end : {part.from, part.to}) corners.push_back({end, depth.at(end)});
+void SunkenSurface::addStretch(const Segment& stretch, const Linear& depth, double flat, SunkenPart& part) const {
+  part.add(integrate(stretch, overlap, depth.at(stretch.from), depth.at(stretch.to)), flat);
+  part.deepest = std::max({part.deepest, depth.at(stretch.from), depth.at(stretch.to)});
 }
 
-void SunkenSurface::integrateInside(const Polygon& polygon, AreaMoments& moments,
-                                    std::vector<SunkenPoint>& corners) const {
+void SunkenSurface::addInside(const Polygon& polygon, SunkenPart& part) const {
   if (kind == 2) {
-    Segment part = line;
-    if (clipSegment(polygon, part)) addStretch(part, lineDepth, moments, corners);
+    Segment stretch = line;
+    if (clipSegment(polygon, stretch)) addStretch(stretch, lineDepth, lineFlat, part);
     return;
   }
-  thread_local Polygon part;
+  thread_local Polygon region;
   for (const Piece& piece : pieces) {
-    part.count = piece.region.count;
-    std::copy_n(piece.region.points.begin(), part.count, part.points.begin());
-    std::copy_n(piece.region.edges.begin(), part.count, part.edges.begin());
-    clipPolygon(polygon, part);
-    if (part.count < 3) continue;
-    moments += integrate(part, piece.depth);
-    for (int k = 0; k < part.count; ++k) corners.push_back({part[k], piece.depth.at(part[k])});
+    region.count = piece.region.count;
+    std::copy_n(piece.region.points.begin(), region.count, region.points.begin());
+    std::copy_n(piece.region.edges.begin(), region.count, region.edges.begin());
+    clipPolygon(polygon, region);
+    if (region.count < 3) continue;
+    part.add(integrate(region, piece.depth), piece.flat);
+    for (int k = 0; k < region.count; ++k) part.deepest = std::max(part.deepest, piece.depth.at(region[k]));
   }
 }
 
-void SunkenSurface::integrateAlong(const Segment& ridge, AreaMoments& moments,
-                                   std::vector<SunkenPoint>& corners) const {
+void SunkenSurface::addAlong(const Segment& ridge, SunkenPart& part) const {
   if (kind == 2) {
-    Segment part = line;
-    if (clipSegment(ridge, overlap, part)) addStretch(part, lineDepth, moments, corners);
+    Segment stretch = line;
+    if (clipSegment(ridge, overlap, stretch)) addStretch(stretch, lineDepth, lineFlat, part);
     return;
   }
   for (const Piece& piece : pieces) {
-    Segment part = ridge;
-    if (piece.region.count >= 3 && clipSegment(piece.region, part)) addStretch(part, piece.depth, moments, corners);
+    Segment stretch = ridge;
+    if (piece.region.count >= 3 && clipSegment(piece.region, stretch))
+      addStretch(stretch, piece.depth, piece.flat, part);
   }
 }
 

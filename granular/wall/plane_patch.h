@@ -24,10 +24,22 @@ struct Plane {
   }
 };
 
-/// A point of a sunken surface: its place in the contact plane and its depth, m.
-struct SunkenPoint {
-  Vec2 place;
-  double depth;
+/// 1 for a face that lies flat on a part of a wall (cosine 1), falling to 0 at `fadeCosine`: 2.6 degrees.
+inline constexpr double fadeCosine = 0.999;
+inline double flatWeight(double cosine) { return std::max(0.0, (cosine - fadeCosine) / (1 - fadeCosine)); }
+
+/// What of a sunken surface lies over a part of a wall.
+struct SunkenPart {
+  AreaMoments moments;
+  double flatVolume = 0;  ///< volume weighted by how flat each face lies, m^3
+  double deepest = 0;     ///< largest depth, m
+
+  bool isBroad() const { return moments.area > 0 && moments.volume > 0; }
+  double flatness() const { return moments.volume > 0 ? flatVolume / moments.volume : 0; }
+  void add(const AreaMoments& piece, double flat) {
+    moments += piece;
+    flatVolume += flat * piece.volume;
+  }
 };
 
 /// The part of a body's surface below a plane, seen along the contact normal (from the body into the wall). Made anew
@@ -43,35 +55,33 @@ class SunkenSurface {
   /// 1: a point, 2: a straight piece, 3: flat faces.
   int dimension() const { return kind; }
   const ContactPlane& view() const { return plane; }
-  /// Cosine of the deepest face or of the straight piece to the plane, 1 when flat on it.
-  double flatness() const { return cosine; }
 
   /// The integrals over all of it. Straight pieces count as strips as wide as the overlap is deep.
   AreaMoments integrateWhole() const;
-  /// Adds the integrals over the part above a convex polygon of the contact plane, and its corners.
-  void integrateInside(const Polygon& polygon, AreaMoments& moments, std::vector<SunkenPoint>& corners) const;
-  /// The same above a straight line of the contact plane, a ridge: strips along what the two share.
-  void integrateAlong(const Segment& ridge, AreaMoments& moments, std::vector<SunkenPoint>& corners) const;
+  /// Adds the part above a convex polygon of the contact plane.
+  void addInside(const Polygon& polygon, SunkenPart& part) const;
+  /// Adds the strips above a straight line of the contact plane, a ridge.
+  void addAlong(const Segment& ridge, SunkenPart& part) const;
 
   /// Places the contact, given the integrals over its part of the surface (nothing of volume: the deepest point).
   void place(PointRule rule, const AreaMoments& moments, ContactPatch& out) const;
 
  private:
   void lookAtFaces(const SurfaceSide& side);
-  void addStretch(const Segment& part, const Linear& depth, AreaMoments& moments,
-                  std::vector<SunkenPoint>& corners) const;
+  void addStretch(const Segment& stretch, const Linear& depth, double flat, SunkenPart& part) const;
 
   struct Piece {
     Polygon region;
     Linear depth;
+    double flat;  ///< flatWeight of its cosine
   };
   ContactPlane plane{Touch{Vec3::UnitZ(), 0, Vec3::Zero(), Vec3::Zero()}};
   double overlap = 0;
-  double cosine = 1;
   int kind = 1;
   std::vector<Piece> pieces;
   Segment line;
   Linear lineDepth;
+  double lineFlat = 1;
 };
 
 /// Places the contact of a body whose deepest point (world) lies below an unbounded plane.

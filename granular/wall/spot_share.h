@@ -8,10 +8,15 @@
 
 namespace granular {
 
-/// Turns weights into shares: share_s = w_s / sum_t w_t max(0, n_s . n_t). On entry `share` holds the weight (>= 0) of
-/// each touch: its overlap (m), possibly faded where a spot appears or goes. A lone spot gets 1, two equal parallel
-/// ones 1/2 each, spots on opposite sides nothing of each other; a spot of weight 0 changes nothing, so that forces are
-/// continuous.
-void shareStiffness(std::span<WallTouch> touches);
+/// A contact's claim on the stiffness, m.
+struct Claim {
+  double weight;  ///< its overlap (or its part of one, where an area is shared out), faded where a spot appears or goes
+  double full;    ///< the same before fading
+};
+
+/// share_s = weight_s / max(full_s, sum_t weight_t max(0, n_s . n_t)): a lone spot gets 1, two equal parallel ones 1/2
+/// each, spots on opposite sides nothing of each other; what fades goes to 0 whatever else there is, so that forces are
+/// continuous. One claim per touch.
+void shareStiffness(std::span<const Claim> claims, std::span<WallTouch> touches);
 
 }  // namespace granular

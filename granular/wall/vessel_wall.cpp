@@ -27,8 +27,15 @@ struct Vessel {
   Vec2 fromAxis(const Vec3& p) const { return p.head<2>() - axis; }
 };
 
+/// The spots of one body, as they are found.
+struct Spots {
+  std::vector<WallTouch>& touches;
+  std::vector<Claim>& claims;
+  std::size_t begin;  ///< of this body in touches
+};
+
 /// Appends the touch of the surface point p (world) if it lies beyond the radius. weight: of the overlap, in [0, 1].
-void pushSpot(const Vessel& vessel, const Vec3& p, std::int32_t spot, double weight, std::vector<WallTouch>& out) {
+void pushSpot(const Vessel& vessel, const Vec3& p, std::int32_t spot, double weight, Spots& out) {
   const Vec2 r = vessel.fromAxis(p);
   const double distance = r.norm();
   const double overlap = distance - vessel.radius;
@@ -37,10 +44,10 @@ void pushSpot(const Vessel& vessel, const Vec3& p, std::int32_t spot, double wei
   touch.normal = Vec3(r.x() / distance, r.y() / distance, 0);
   touch.overlap = overlap;
   touch.spot = spot;
-  touch.share = weight * overlap;
   touch.patch.point = touch.patch.centre = p - 0.5 * overlap * touch.normal;
   touch.patch.u = perpendicular(touch.normal);
-  out.push_back(touch);
+  out.touches.push_back(touch);
+  out.claims.push_back({weight * overlap, overlap});
 }
 
 /// A planar ellipse of surface points: centre + major cos t + minor sin t (world); major and minor are perpendicular to
@@ -51,8 +58,7 @@ struct SurfaceEllipse {
 
 /// Pushes the local maxima of the distance from the axis: `spot` for a lone one, spot + 1 and spot + 2 (by their end of
 /// the major axis) for two. The lesser fades out in proportion to how far it stands out of the arc between them.
-void pushMaxima(const Vessel& vessel, const SurfaceEllipse& ellipse, std::int32_t spot, bool onlyFurthest,
-                std::vector<WallTouch>& out) {
+void pushMaxima(const Vessel& vessel, const SurfaceEllipse& ellipse, std::int32_t spot, bool onlyFurthest, Spots& out) {
   const double s1 = ellipse.major.head<2>().norm(), s2 = ellipse.minor.head<2>().norm();
   const Vec2 e1 = ellipse.major.head<2>() / s1;
   // The minor axis may be seen end on: then any perpendicular serves.
@@ -88,7 +94,7 @@ SurfaceEllipse silhouette(const Vec3& centre, const Mat3& axes) {
   return {centre, axes * v1, axes * v2};
 }
 
-void touchSphere(const Vessel& vessel, const Shape& shape, const Frame& frame, std::vector<WallTouch>& out) {
+void touchSphere(const Vessel& vessel, const Shape& shape, const Frame& frame, Spots& out) {
   const Vec2 r = vessel.fromAxis(frame.x);
   const double distance = r.norm();
   const Vec2 direction = distance > 0 ? Vec2(r / distance) : Vec2::UnitX();
@@ -97,7 +103,7 @@ void touchSphere(const Vessel& vessel, const Shape& shape, const Frame& frame, s
   pushSpot(vessel, p, 0, 1, out);
 }
 
-void touchEllipsoid(const Vessel& vessel, const Shape& shape, const Frame& frame, std::vector<WallTouch>& out) {
+void touchEllipsoid(const Vessel& vessel, const Shape& shape, const Frame& frame, Spots& out) {
   const Vec3 semi = static_cast<const Ellipsoid&>(shape).semiAxes();
   int longest, shortest;
   const double a = semi.maxCoeff(&longest), c = semi.minCoeff(&shortest);
@@ -114,28 +120,28 @@ void touchEllipsoid(const Vessel& vessel, const Shape& shape, const Frame& frame
 
 /// A circle about `axis` (unit, world) through its radius: rims of cylinders and cones.
 void touchRim(const Vessel& vessel, const Vec3& centre, const Vec3& axis, double radius, std::int32_t spot,
-              std::vector<WallTouch>& out) {
+              Spots& out) {
   // The horizontal diameter is seen in full; for a level circle any diameter serves.
   const double lean = axis.head<2>().norm();
   const Vec3 across = lean > 0 ? Vec3(-axis.y() / lean, axis.x() / lean, 0) : Vec3::UnitX();
   pushMaxima(vessel, {centre, radius * across, radius * axis.cross(across)}, spot, false, out);
 }
 
-void touchCylinder(const Vessel& vessel, const Shape& shape, const Frame& frame, std::vector<WallTouch>& out) {
+void touchCylinder(const Vessel& vessel, const Shape& shape, const Frame& frame, Spots& out) {
   const auto& cylinder = static_cast<const Cylinder&>(shape);
   const Vec3 axis = frame.R.col(2);
   touchRim(vessel, frame.x - cylinder.halfHeight() * axis, axis, cylinder.radius(), 0, out);
   touchRim(vessel, frame.x + cylinder.halfHeight() * axis, axis, cylinder.radius(), 3, out);
 }
 
-void touchCone(const Vessel& vessel, const Shape& shape, const Frame& frame, std::vector<WallTouch>& out) {
+void touchCone(const Vessel& vessel, const Shape& shape, const Frame& frame, Spots& out) {
   const auto& cone = static_cast<const Cone&>(shape);
   const Vec3 axis = frame.R.col(2);
   pushSpot(vessel, frame.x + cone.apexZ() * axis, 0, 1, out);
   touchRim(vessel, frame.x + cone.baseZ() * axis, axis, cone.radius(), 1, out);
 }
 
-void touchPolyhedron(const Vessel& vessel, const Shape& shape, const Frame& frame, std::vector<WallTouch>& out) {
+void touchPolyhedron(const Vessel& vessel, const Shape& shape, const Frame& frame, Spots& out) {
   const std::vector<Vec3>& vertices = static_cast<const Polyhedron&>(shape).tables().vertices;
   const Eigen::Matrix<double, 2, 3> R = frame.R.topRows<2>();
   const Vec2 centre = vessel.fromAxis(frame.x);
@@ -148,7 +154,7 @@ void touchPolyhedron(const Vessel& vessel, const Shape& shape, const Frame& fram
 /// Any shape that has nothing but a support function: climb p <- support(outward at p), which never falls because the
 /// distance is convex, from directions spread about the outward one. One maximum is spot 0; several are numbered by the
 /// octant of the body they lie in, later ones in the same octant by steps of 8.
-void touchGeneric(const Vessel& vessel, const Shape& shape, const Frame& frame, std::vector<WallTouch>& out) {
+void touchGeneric(const Vessel& vessel, const Shape& shape, const Frame& frame, Spots& out) {
   const Vec2 r = vessel.fromAxis(frame.x);
   const double distance = r.norm();
   const Vec3 outward = distance > 0 ? Vec3(r.x() / distance, r.y() / distance, 0) : Vec3::UnitX();
@@ -173,18 +179,17 @@ void touchGeneric(const Vessel& vessel, const Shape& shape, const Frame& frame, 
   }
 
   // Number them by the body's own geometry.
-  const std::size_t begin = out.size();
   for (std::size_t k = 0; k < count; ++k) {
     const Vec3 local = frame.toBody(found[k]);
     std::int32_t spot = count == 1 ? 0 : 1 + (local.x() < 0) + 2 * (local.y() < 0) + 4 * (local.z() < 0);
-    const auto taken = [&](const WallTouch& touch) { return touch.spot == spot; };
-    while (std::any_of(out.begin() + begin, out.end(), taken)) spot += 8;
+    const auto begin = out.touches.begin() + static_cast<std::ptrdiff_t>(out.begin);
+    while (std::any_of(begin, out.touches.end(), [spot](const WallTouch& touch) { return touch.spot == spot; }))
+      spot += 8;
     pushSpot(vessel, found[k], spot, 1, out);
   }
-  std::sort(out.begin() + begin, out.end(), [](const WallTouch& s, const WallTouch& t) { return s.spot < t.spot; });
 }
 
-using TouchVessel = void (*)(const Vessel&, const Shape&, const Frame&, std::vector<WallTouch>&);
+using TouchVessel = void (*)(const Vessel&, const Shape&, const Frame&, Spots&);
 
 /// One row per kind of shape, in the order of ShapeKind.
 constexpr std::array<TouchVessel, shapeKindCount> vesselTable = {
@@ -206,9 +211,13 @@ class VesselWall final : public Wall {
 
   void touch(const RuleOptions&, const Shape& shape, const Frame& frame, std::vector<WallTouch>& out) const override {
     if (clearance(frame.x, shape.boundingRadius()) > 0) return;
-    const std::size_t begin = out.size();
-    vesselTable[static_cast<std::size_t>(shape.kind())](vessel, shape, frame, out);
-    shareStiffness({out.begin() + static_cast<std::ptrdiff_t>(begin), out.end()});
+    thread_local std::vector<Claim> claims;
+    claims.clear();
+    Spots spots{out, claims, out.size()};
+    vesselTable[static_cast<std::size_t>(shape.kind())](vessel, shape, frame, spots);
+    const std::span<WallTouch> mine(out.begin() + static_cast<std::ptrdiff_t>(spots.begin), out.end());
+    shareStiffness(claims, mine);
+    std::sort(mine.begin(), mine.end(), [](const WallTouch& s, const WallTouch& t) { return s.spot < t.spot; });
   }
 
   double clearance(const Vec3& centre, double radius) const override {

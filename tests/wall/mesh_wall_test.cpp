@@ -240,6 +240,58 @@ TEST(MeshWall, CrossedEdgesTouchAlongTheirCommonNormal) {
   EXPECT_NEAR(touches[0].patch.point.y(), 0, 1e-9);
 }
 
+TEST(MeshWall, MeshVertexPokesIntoAFace) {
+  // A pyramid's apex under a block.
+  TriangleMesh pyramid;
+  pyramid.vertices = {Vec3(-0.01, -0.01, 0), Vec3(0.01, -0.01, 0), Vec3(0.01, 0.01, 0), Vec3(-0.01, 0.01, 0),
+                      Vec3(0, 0, 0.01)};
+  pyramid.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+  const auto wall = makeMeshWall(pyramid, "pyramid");
+  Random random(6);
+  for (const auto& body : bodies()) {
+    if (body->kind() == ShapeKind::sphere || body->kind() == ShapeKind::ellipsoid) continue;
+    // Its lowest face or side flat on the apex.
+    const Mat3 tilt = rotationFromVector(0.3 * random.direction()).toRotationMatrix();
+    Feature face;
+    const Vec3 outward = body->supportFace(tilt * Vec3(0.1, 0.2, -1).normalized(), 0.3, face);
+    if (face.count < 3) continue;
+    const Mat3 R = Quat::FromTwoVectors(outward, Vec3(0.1, -0.2, -1).normalized()).toRotationMatrix();
+    Vec3 middle = Vec3::Zero();
+    for (int k = 0; k < face.count; ++k) middle += face[k] / face.count;
+    const Vec3 n = R * outward;
+    const Frame frame(R, Vec3(0, 0, 0.01) - R * middle + 1e-6 * n);
+    const auto touches = touchesOf(*wall, *body, frame);
+    ASSERT_EQ(touches.size(), 1u) << body->describe();
+    EXPECT_EQ(touches[0].spot % 3, 2);
+    EXPECT_NEAR(touches[0].overlap, 1e-6, 1e-13);
+    EXPECT_LT((touches[0].normal - n).norm(), 1e-9);
+  }
+}
+
+TEST(MeshWall, SpotsKeepTheirNamesWhenTheBodyMovesALittle) {
+  const auto block = makeMeshWall(box(Vec3(0.004, 0.003, 0.002), false), "block");
+  Random random(12);
+  const auto all = bodies();
+  int found = 0, moved = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Shape& body = *all[random.below(all.size())];
+    const Quat q = random.rotation();
+    const Vec3 toward = random.direction();
+    Frame frame(q.toRotationMatrix(), 0.01 * toward);
+    while (touchesOf(*block, body, frame).empty() && frame.x.norm() > 1e-3) frame.x -= 1e-5 * toward;
+    const auto before = touchesOf(*block, body, frame);
+    const auto after = touchesOf(
+        *block, body, Frame((rotationFromVector(1e-10 * random.direction()) * q).toRotationMatrix(), frame.x));
+    found += !before.empty();
+    bool same = before.size() == after.size();
+    for (std::size_t k = 0; same && k < before.size(); ++k) same = before[k].spot == after[k].spot;
+    moved += !same;
+    for (const WallTouch& touch : before) EXPECT_LT(touch.overlap, 1.1e-5) << body.describe();
+  }
+  EXPECT_GT(found, 1900);
+  EXPECT_LE(moved, 2);
+}
+
 TEST(MeshWall, BlockPartlyOverATableEdgeIsHeldByTheTableAlone) {
   const auto table = makeMeshWall(box(Vec3(0.01, 0.01, 0.01), false), "table");
   const Cuboid block(Vec3(0.0015, 0.0015, 0.0015));
