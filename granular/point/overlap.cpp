@@ -51,19 +51,33 @@ class FaceWalk {
   FaceWalk(const SurfaceSide& sideA, const SurfaceSide& sideB) : a(sideA), b(sideB) {}
 
   void measure(double overlap, OverlapArea& out) {
-    walk(1e-3 * overlap, out);
-    // The flattest faces may miss each other where the lowest meet.
-    if (!(out.moments.volume > 0)) walk(0, out);
+    const std::int32_t startA = a.findStartFace(1e-3 * overlap), startB = b.findStartFace(1e-3 * overlap);
+    if (startA >= 0 && startB >= 0) {
+      cells.add({startA, startB, a.findHeight(startA), b.findHeight(startB)});
+      walk(out);
+    }
+    if (!(out.moments.volume > 0)) {
+      addAllAround();
+      walk(out);
+    }
     if (out.moments.volume > 0) out.height = findMiddle(cells, out.moments.centroidOfVolume());
   }
 
  private:
-  /// All cells that hang together with the one under the origin.
-  void walk(double slack, OverlapArea& out) {
-    const std::int32_t startA = a.findStartFace(slack), startB = b.findStartFace(slack);
-    if (startA < 0 || startB < 0) return;
+  /// Where a vertex lies over a vertex or an edge, the flattest faces may miss each other: start from all pairs.
+  void addAllAround() {
+    std::array<std::int32_t, Feature::capacity> facesA, facesB;
+    const int countA = a.findFacesAround(facesA), countB = b.findFacesAround(facesB);
     cells.clear();
-    cells.add({startA, startB, a.findHeight(startA), b.findHeight(startB)});
+    for (int i = 0; i < countA * countB; ++i) {
+      const std::int32_t faceA = facesA[static_cast<std::size_t>(i / countB)];
+      const std::int32_t faceB = facesB[static_cast<std::size_t>(i % countB)];
+      cells.add({faceA, faceB, a.findHeight(faceA), b.findHeight(faceB)});
+    }
+  }
+
+  /// Integrates the cells and all that hang together with them.
+  void walk(OverlapArea& out) {
     std::int32_t projected = -1;
     for (int k = 0; k < cells.size(); ++k) {
       const Cell& cell = cells[k];
