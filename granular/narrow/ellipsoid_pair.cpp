@@ -19,71 +19,74 @@ Vec3 semiAxesOf(const Shape& shape) {
   return static_cast<const Ellipsoid&>(shape).semiAxes();
 }
 
-/// Support point and second derivatives of H(n) = |D n|, in the ellipsoid's own axes.
+/// Support point of H(n) = |D n| in the ellipsoid's own axes; its second derivatives are (D^2 - point point^T) / H.
 struct Curved {
   Vec3 point;
   double height;  // H
-  Mat3 second;
 
   Curved(const Vec3& d, const Vec3& n) {
     const Vec3 stretched = d.cwiseProduct(n);
     height = stretched.norm();
     point = d.cwiseProduct(stretched) / height;
-    second = Mat3(d.cwiseProduct(d).asDiagonal()) - point * point.transpose();
-    second /= height;
+  }
+  /// The second derivative along p and q, in the ellipsoid's own axes.
+  double second(const Vec3& d, const Vec3& p, const Vec3& q) const {
+    return (d.cwiseProduct(p).dot(d.cwiseProduct(q)) - point.dot(p) * point.dot(q)) / height;
   }
 };
 
-/// One evaluation along n, A's axes.
-struct Evaluation {
-  Vec3 normal, onA, onB, slope;  // slope: P x
-  double depth;
-  Mat3 second;
+/// Two ellipsoids, and one evaluation along n in A's axes.
+struct Ellipsoids {
+  Vec3 axesA, axesB;
+  Frame frame;
 };
 
-Evaluation evaluate(const Vec3& axesA, const Vec3& axesB, const Frame& frame, const Vec3& n) {
-  const Curved a(axesA, n), b(axesB, frame.unrotate(n));
-  Evaluation e;
-  e.normal = n;
-  e.onA = a.point;
-  e.onB = frame.x - frame.rotate(b.point);
-  const Vec3 x = e.onA - e.onB;
-  e.depth = a.height + b.height - frame.x.dot(n);
-  e.slope = x - x.dot(n) * n;
-  e.second = a.second + frame.R * b.second * frame.R.transpose();
-  return e;
-}
+struct Evaluation {
+  Curved a, b;
+  Vec3 normal, onA, onB, slope;  // slope: P x
+  double depth;
+
+  Evaluation(const Ellipsoids& pair, const Vec3& n)
+      : a(pair.axesA, n), b(pair.axesB, pair.frame.unrotate(n)), normal(n) {
+    onA = a.point;
+    onB = pair.frame.x - pair.frame.rotate(b.point);
+    const Vec3 x = onA - onB;
+    depth = a.height + b.height - pair.frame.x.dot(n);
+    slope = x - x.dot(n) * n;
+  }
+};
 
 /// Newton's step in the tangent plane; false where the Hessian is not positive definite.
-bool makeStep(const Evaluation& e, Vec3& step) {
+bool makeStep(const Ellipsoids& pair, const Evaluation& e, Vec3& step) {
   const Vec3 u = perpendicular(e.normal), v = e.normal.cross(u);
-  const Vec3 su = e.second * u, sv = e.second * v;
-  const double uu = u.dot(su) - e.depth, uv = u.dot(sv), vv = v.dot(sv) - e.depth;
+  const Vec3 uB = pair.frame.unrotate(u), vB = pair.frame.unrotate(v);
+  const double uu = e.a.second(pair.axesA, u, u) + e.b.second(pair.axesB, uB, uB) - e.depth;
+  const double uv = e.a.second(pair.axesA, u, v) + e.b.second(pair.axesB, uB, vB);
+  const double vv = e.a.second(pair.axesA, v, v) + e.b.second(pair.axesB, vB, vB) - e.depth;
   const double determinant = uu * vv - uv * uv;
   if (!(determinant > 0) || !(uu > 0)) return false;
   const double gu = e.slope.dot(u), gv = e.slope.dot(v);
-  step = -((vv * gu - uv * gv) / determinant) * u - ((uu * gv - uv * gu) / determinant) * v;
+  step = ((uv * gv - vv * gu) / determinant) * u + ((uv * gu - uu * gv) / determinant) * v;
   return true;
 }
 
 /// A direction below which C's boundary is tangent to round-off, or as near to it as the steps allowed come.
-Evaluation findStationary(const Vec3& axesA, const Vec3& axesB, const Frame& frame, const Vec3& start,
-                          double roundOff) {
+Evaluation findStationary(const Ellipsoids& pair, const Vec3& start, double roundOff) {
   constexpr int maxSteps = 60;
-  Evaluation e = evaluate(axesA, axesB, frame, start);
+  Evaluation e(pair, start);
   for (int k = 0; k < maxSteps && e.slope.norm() > roundOff; ++k) {
     // Where Newton's step is not downhill, follow the gradient by an angle of the order of the slope's.
     Vec3 step;
-    if (!makeStep(e, step)) step = -e.slope / (e.slope.norm() + std::abs(e.depth) + roundOff);
+    if (!makeStep(pair, e, step)) step = -e.slope / (e.slope.norm() + std::abs(e.depth) + roundOff);
     const double length = step.norm();
     constexpr double longest = 0.5;
     if (length > longest) step *= longest / length;
 
     // Halve the step until the depth falls; a step that only round-off can judge is taken as it is.
-    Evaluation next = evaluate(axesA, axesB, frame, (e.normal + step).normalized());
+    Evaluation next(pair, (e.normal + step).normalized());
     for (int halving = 0; halving < 30 && next.depth > e.depth + roundOff; ++halving) {
       step *= 0.5;
-      next = evaluate(axesA, axesB, frame, (e.normal + step).normalized());
+      next = Evaluation(pair, (e.normal + step).normalized());
     }
     const bool better = next.depth < e.depth - roundOff || next.slope.squaredNorm() < e.slope.squaredNorm();
     if (!better) break;
@@ -100,8 +103,9 @@ double leastCurvatureRadius(const Vec3& axes) {
 }  // namespace
 
 bool touchEllipsoids(const PairView& view, WarmCache& cache, NarrowCounts& counts, Touch& touch) {
-  const Vec3 axesA = semiAxesOf(view.a), axesB = semiAxesOf(view.b);
-  const Frame frame = relativeFrame(view.frameA, view.frameB);
+  const Ellipsoids pair{semiAxesOf(view.a), semiAxesOf(view.b), relativeFrame(view.frameA, view.frameB)};
+  const Vec3 &axesA = pair.axesA, &axesB = pair.axesB;
+  const Frame& frame = pair.frame;
   const bool warm = cache.kind != WarmCache::cold && !view.searchAlways;
 
   // Warm and apart: does the last direction still separate?
@@ -119,7 +123,7 @@ bool touchEllipsoids(const PairView& view, WarmCache& cache, NarrowCounts& count
   const Vec3 centres = distance > 0 ? Vec3(frame.x / distance) : Vec3(Vec3::UnitX());
   const double roundOff =
       4 * std::numeric_limits<double>::epsilon() * (view.a.boundingRadius() + view.b.boundingRadius() + distance);
-  const Evaluation e = findStationary(axesA, axesB, frame, warm ? cache.direction : centres, roundOff);
+  const Evaluation e = findStationary(pair, warm ? cache.direction : centres, roundOff);
   const bool proven = e.depth <= leastCurvatureRadius(axesA) + leastCurvatureRadius(axesB);
   constexpr double slack = 1e3;
   if (proven && (!(e.depth > 0) || e.slope.norm() <= slack * roundOff)) {

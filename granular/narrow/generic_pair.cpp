@@ -82,6 +82,14 @@ bool isGlobalByPolytope(Difference& c, const LocalMinimum& m) {
   return bounds.met && bounds.upper >= m.depth - tolerance::certificate * c.size();
 }
 
+/// The proofs, the cheapest first. A ball that rolls inside either shape is tangent to C below any minimum, and holds
+/// the origin while its radius is at least the overlap.
+bool isGlobalMinimum(const PairView& pair, Difference& c, const LocalMinimum& m, double margin) {
+  if (m.depth <= rollingRadius(pair.a) + rollingRadius(pair.b)) return true;
+  const double inner = pair.a.innerRadius() + pair.b.innerRadius();
+  return isGlobal(m.normal, m.depth, margin, c.frame().x, inner) || isGlobalByFan(c, m) || isGlobalByPolytope(c, m);
+}
+
 /// With a shape that a ball rolls around inside, the overlap is the layers taken off less the distance of what is left:
 /// one GJK distance, global by its own proof. False while the cores are so near that the direction would lose digits.
 bool touchByCores(const PairView& pair, const Difference& c, WarmCache& cache, NarrowCounts& counts, Touch& touch,
@@ -162,22 +170,22 @@ bool touchConvex(const PairView& pair, WarmCache& cache, NarrowCounts& counts, T
     }
   }
 
-  // Rounded shapes: a distance between cores.
+  // Warm and touching: a face or a side next to the last normal.
+  const bool warm = cache.touched && !pair.searchAlways;
+  RoundFeature feature;
+  if (warm) feature = findRoundFeature(c, cache.direction);
+
+  // Rounded shapes: a distance between cores, warm or cold.
   bool touches = false;
-  if (touchByCores(pair, c, cache, counts, touch, touches)) return touches;
+  if (!feature.holds && touchByCores(pair, c, cache, counts, touch, touches)) return touches;
 
   // Warm and touching: the minimum next to the last normal, if nothing away from it can be shallower.
-  if (cache.touched && !pair.searchAlways) {
-    const RoundFeature feature = findRoundFeature(c, cache.direction);
+  if (warm) {
     const LocalMinimum local = feature.holds ? feature.minimum : descend(c, cache.direction);
-    if (!(local.depth > 0)) {
+    const bool apart = !(local.depth > 0);
+    if (apart || isGlobalMinimum(pair, c, local, feature.margin)) {
       ++counts.warm;
-      return reportApart(local.normal, -local.depth, cache);
-    }
-    const double inner = pair.a.innerRadius() + pair.b.innerRadius();
-    if (isGlobal(local.normal, local.depth, feature.margin, c.frame().x, inner) || isGlobalByFan(c, local) ||
-        isGlobalByPolytope(c, local)) {
-      ++counts.warm;
+      if (apart) return reportApart(local.normal, -local.depth, cache);
       return reportTouch(pair, WarmCache::smooth, local, cache, counts, touch);
     }
   }

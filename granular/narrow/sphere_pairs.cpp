@@ -63,16 +63,18 @@ SurfacePoint findOnBox(const Vec3& half, const Vec3& c) {
   return s;
 }
 
+double distanceFromAxis(const Vec3& c) { return std::sqrt(c.x() * c.x() + c.y() * c.y()); }
+
 /// In the half-plane through the axis of revolution: (distance from the axis, z).
 SurfacePoint liftFromProfile(const Vec3& c, const Vec2& nearest, const Vec2& outward, double distance) {
-  const double across = std::hypot(c.x(), c.y());
+  const double across = distanceFromAxis(c);
   const Vec2 azimuth = across > 0 ? Vec2(c.x() / across, c.y() / across) : Vec2(1, 0);
   return {Vec3(azimuth.x() * nearest.x(), azimuth.y() * nearest.x(), nearest.y()),
           Vec3(azimuth.x() * outward.x(), azimuth.y() * outward.x(), outward.y()), distance};
 }
 
 SurfacePoint findOnCylinder(double radius, double half, const Vec3& c) {
-  const Vec2 p(std::hypot(c.x(), c.y()), c.z());
+  const Vec2 p(distanceFromAxis(c), c.z());
   const Vec2 inside(std::min(p.x(), radius), std::clamp(p.y(), -half, half));
   const double end = p.y() < 0 ? -1 : 1;
   if (inside != p) {
@@ -86,7 +88,7 @@ SurfacePoint findOnCylinder(double radius, double half, const Vec3& c) {
 }
 
 SurfacePoint findOnCone(const Cone& cone, const Vec3& c) {
-  const Vec2 p(std::hypot(c.x(), c.y()), c.z());
+  const Vec2 p(distanceFromAxis(c), c.z());
   const Vec2 rim(cone.radius(), cone.baseZ()), slant(-cone.radius(), cone.height());
   const double length = slant.norm();
   const Vec2 outward(cone.height() / length, cone.radius() / length);
