@@ -170,7 +170,7 @@ std::vector<Vec3> spreadPoints(const SandOptions& options, int count, Random& ra
 
 std::unique_ptr<Polyhedron> makeSand(const SandOptions& options, Random& random, std::uint64_t* redrawn) {
   checkOptions(options);
-  const auto choices = static_cast<std::uint64_t>(options.maxPoints - options.minPoints + 1);
+  const auto choices = static_cast<std::uint64_t>(options.maxPoints - options.minPoints) + 1;
   const auto draw = [&] {
     return spreadPoints(options, options.minPoints + static_cast<int>(random.below(choices)), random);
   };

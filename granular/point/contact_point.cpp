@@ -21,7 +21,7 @@ void placeContact(const RuleOptions& options, const Shape& a, const Frame& frame
                   const Touch& touch, ContactPatch& out) {
   switch (options.rule) {
     case PointRule::manifold:
-      assert(!"the manifold rule keeps state of its own and is placed where that is kept");
+      assert(false && "the manifold rule keeps state of its own and is placed where that is kept");
       [[fallthrough]];
     case PointRule::witness:
       return placeWitness(touch, out);
