@@ -208,7 +208,6 @@ void visitOutput(KeyVisitor& v, OutputSettings& s) {
   v.readBoolean({"plots", "plots of the profiles"}, s.plots);
   v.readBoolean({"particles", "a table of all particles"}, s.particles);
   v.readBoolean({"contacts", "a table of all contacts, and the force network"}, s.contacts);
-  v.readBoolean({"energy", "energy ledger"}, s.energy);
   v.readInteger({"resolution", "segments around a circle of a curved surface"}, s.resolution, {6, 360});
 }
 

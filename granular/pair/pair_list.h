@@ -13,7 +13,7 @@
 namespace granular {
 
 /// How many periods B's image is away from its stored position.
-using Image = std::array<std::int16_t, 3>;
+using Image = std::array<std::int32_t, 3>;
 
 /// Two bodies whose grown bounds overlap; a has the lower id. Sorted by (id of a, id of b, image).
 struct Pair {

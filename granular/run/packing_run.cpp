@@ -4,14 +4,19 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <set>
+#include <sstream>
 
 #include "granular/insert/pose_check.h"
+#include "granular/io/checkpoint.h"
 #include "granular/io/pose_file.h"
+#include "granular/io/progress.h"
+#include "granular/io/scene_file.h"
 #include "granular/run/frames.h"
 #include "granular/run/particle_groups.h"
-#include "granular/run/run_checkpoint.h"
 #include "granular/run/scene_world.h"
+#include "granular/run/world_archive.h"
 
 namespace granular {
 namespace {
@@ -38,7 +43,18 @@ std::string_view runEndName(RunEnd end) {
   return {};
 }
 
-PackingRun::PackingRun(Scene scene) : settings(std::move(scene)), state(makeWorld(settings)) {
+SceneSource SceneSource::read(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  std::ifstream stream(file);
+  require(stream.good(), fmt::format("{}: can't be read", file.string()));
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return {std::filesystem::absolute(file), text.str(), overrides};
+}
+
+Scene SceneSource::parse() const { return parseScene(text, file, overrides); }
+
+PackingRun::PackingRun(SceneSource source)
+    : origin(std::move(source)), settings(origin.parse()), state(makeWorld(settings)) {
   for (const ParticleSettings& group : settings.particles) {
     materialOfGroup.push_back(settings.materialIndex(group.material));
     densityOfGroup.push_back(settings.materials[static_cast<std::size_t>(materialOfGroup.back())].density);
@@ -74,7 +90,7 @@ void PackingRun::placePoses() {
   const InsertionSettings& insertion = settings.insertion;
   if (insertion.kind == InsertionSettings::Kind::bed) {
     // The bodies of an earlier run, at rest where they were.
-    PackingRun earlier = resumeRun(insertion.file);
+    const PackingRun earlier = PackingRun::resumed(insertion.file);
     const World& old = earlier.world();
     for (std::size_t i = 0; i < old.bodies.size(); ++i) {
       const std::string& material = old.materials.name(old.bodies.material[i]);
@@ -89,10 +105,8 @@ void PackingRun::placePoses() {
   if (insertion.kind == InsertionSettings::Kind::poses) {
     Random random(settings.seed);
     const std::vector<PourGroup> groups = makePourGroups(settings);
-    for (const FilePose& given : readPoseFile(insertion.file)) {
+    for (const GroupPose& given : readPoseFile(insertion.file, static_cast<int>(groups.size()))) {
       const auto group = static_cast<std::size_t>(given.group);
-      require(group < groups.size(), fmt::format("{}:{}: shape {} is not one of the scene's {} particle groups",
-                                                 insertion.file.string(), given.line, given.group, groups.size()));
       NewBody body;
       body.shapeIndex = state->addShape(groups[group].make(groups[group].size.draw(random), random));
       body.material = materialOfGroup[group];
@@ -106,7 +120,7 @@ void PackingRun::placePoses() {
   for (std::size_t i = 0; i < state->bodies.size(); ++i) placed.push_back({state->bodies.shape[i], state->bodies.frame[i]});
   std::vector<const Wall*> walls;
   for (const auto& wall : state->walls) walls.push_back(wall.get());
-  if (!placed.empty()) checkPoses(placed, state->bodies.id, makeRegion(settings), walls, insertion.maxOverlap);
+  if (!placed.empty()) checkPoses(placed, state->bodies.id, state->options.periods, walls, insertion.maxOverlap);
 }
 
 void PackingRun::chooseTimeStep() {
@@ -217,18 +231,16 @@ bool PackingRun::isResting() const {
   return pour->isDone() && counters.awake && counters.calm >= settings.rest.time;
 }
 
-RunEnd PackingRun::run(const std::filesystem::path& out, const std::atomic<bool>& stop) {
+RunEnd PackingRun::run(const std::filesystem::path& out, const volatile std::sig_atomic_t& stop) {
   const std::int64_t lookEvery = observationSteps(dt);
-  const Clock::time_point began = Clock::now();
   const double wallBefore = counters.wall;
-  Clock::time_point saved = began;
-  FrameWriter frames(out, settings.output);
-  RunProgressLine line(*this);
-  const auto secondsSince = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };
+  Progress line;
+  FrameWriter writer(out, settings, frames);
+  double savedAt = 0;
   const auto finish = [&](RunEnd end) {
-    counters.wall = wallBefore + secondsSince(began);
+    counters.wall = wallBefore + line.elapsed();
     save(out);
-    line.close();
+    line.finish();
     return end;
   };
 
@@ -238,33 +250,80 @@ RunEnd PackingRun::run(const std::filesystem::path& out, const std::atomic<bool>
     if (state->steps % lookEvery != 0) continue;
 
     observe(static_cast<double>(lookEvery) * dt);
-    counters.wall = wallBefore + secondsSince(began);
-    line.show();
+    counters.wall = wallBefore + line.elapsed();
+    line.report(shareDone(), [&] { return describeProgress(); });
     if (settings.output.frames && state->time >= counters.nextFrame) {
-      frames.write(*state, counters.frames++);
+      writer.write(*state, counters.frames++);
+      frames = writer.entries();
       counters.nextFrame += *settings.output.frames;
     }
-    const Report& report = state->report;
-    if (settings.limits.onTrouble == LimitSettings::Action::stop && !report.troubles.empty()) return finish(RunEnd::trouble);
+    if (settings.limits.onTrouble == LimitSettings::Action::stop && !state->report.troubles.empty()) {
+      return finish(RunEnd::trouble);
+    }
     if (isResting()) return finish(RunEnd::rested);
     if (stop) return finish(RunEnd::interrupted);
     if (counters.wall > settings.limits.wallTime || state->time >= settings.time.maxTime) return finish(RunEnd::outOfTime);
     if (pour->isDone() && state->time - counters.pouredAt > settings.rest.maxTime) return finish(RunEnd::notRested);
-    if (secondsSince(saved) > settings.output.checkpointEvery || state->time >= counters.nextCheckpoint) {
-      save(out);
-      saved = Clock::now();
+    if (line.elapsed() - savedAt > settings.output.checkpointEvery || state->time >= counters.nextCheckpoint) {
       counters.nextCheckpoint = state->time + settings.output.checkpointInterval;
+      save(out);
+      savedAt = line.elapsed();
     }
   }
 }
 
-void PackingRun::save(const std::filesystem::path& out) { saveCheckpoint(out, settings, *state, *pour, counters); }
+double PackingRun::shareDone() const {
+  // Pouring is most of the work; the final rest comes by itself.
+  const double poured = pour->count() > 0 ? static_cast<double>(pour->state().placed) / static_cast<double>(pour->count()) : 1;
+  // The cost of a step grows with the particles: the work done is nearly the square of the share poured.
+  return 0.9 * poured * poured + (isResting() ? 0.1 : 0);
+}
 
-void PackingRun::resume(const std::filesystem::path& out) {
-  // Shapes are made again from the seed, in the order in which they came.
-  const PourState poured = loadPourState(out);
-  for (std::int64_t number = 0; number < poured.placed; ++number) state->addShape(pour->makeShape(number));
-  loadCheckpoint(out, *state, *pour, counters);
+std::string PackingRun::describeProgress() const {
+  return fmt::format("t = {:.3f} s, {} of {} particles, {} contacts, deepest overlap {:.2f} %", state->time,
+                     state->bodies.size(), pour->count() + static_cast<std::int64_t>(state->bodies.size()) - pour->state().placed,
+                     state->contactCount(), 100 * state->report.deepestOverlap);
+}
+
+void PackingRun::save(const std::filesystem::path& out) {
+  Archive archive;
+  visitState(archive);
+  saveCheckpoint(out, archive);
+}
+
+void PackingRun::visitState(Archive& archive) {
+  archive.inGroup("scene", [&] {
+    std::string file = origin.file.string();
+    archive.visit("file", file, {"", "path of the scene file"});
+    archive.visit("text", origin.text, {"", "its content"});
+    archive.visit("overrides", origin.overrides, {"", "key.path=value"});
+  });
+  archive.visit("time_step", dt, {"s", ""});
+  PourState poured = pour->state();
+  archive.visitGroup("pouring", poured);
+  if (archive.loading()) {
+    // Shapes are made again from the seed, in the order in which they came.
+    for (std::int64_t number = 0; number < poured.placed; ++number) state->addShape(pour->makeShape(number));
+    pour->setState(poured);
+  }
+  archive.visitGroup("run", counters);
+  archive.visitGroup("frames", frames);
+  archive.visitGroup("world", *state);
+}
+
+PackingRun PackingRun::resumed(const std::filesystem::path& folder) {
+  Archive archive = loadCheckpoint(folder);
+  SceneSource source;
+  archive.inGroup("scene", [&] {
+    std::string file;
+    archive.visit("file", file);
+    source.file = file;
+    archive.visit("text", source.text);
+    archive.visit("overrides", source.overrides);
+  });
+  PackingRun run(std::move(source));
+  run.visitState(archive);
+  return run;
 }
 
 std::string PackingRun::describePlan() const {

@@ -1,17 +1,29 @@
 // A packing from scene to rest: insertion, steps, settling, frames, checkpoints, trouble.
 #pragma once
 
-#include <atomic>
+#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <string>
 
 #include "granular/insert/inserter.h"
+#include "granular/io/archive.h"
 #include "granular/io/scene.h"
+#include "granular/io/vtk_writer.h"
 #include "granular/world/time_step.h"
 #include "granular/world/world.h"
 
 namespace granular {
+
+/// Where a scene comes from: enough to read it again, which a checkpoint does.
+struct SceneSource {
+  std::filesystem::path file;
+  std::string text;                    ///< of the file
+  std::vector<std::string> overrides;  ///< "key.path=value"
+
+  static SceneSource read(const std::filesystem::path& file, const std::vector<std::string>& overrides);
+  Scene parse() const;
+};
 
 /// How a run ended.
 enum class RunEnd { rested, notRested, trouble, interrupted, outOfTime };
@@ -36,7 +48,9 @@ struct RunProgress {
 class PackingRun {
  public:
   /// Builds everything the scene names. Throws InputError for what can't be.
-  explicit PackingRun(Scene scene);
+  explicit PackingRun(SceneSource source);
+  /// Continues from the newest checkpoint of a folder, to the same bits as if it had never stopped.
+  static PackingRun resumed(const std::filesystem::path& folder);
 
   const Scene& scene() const { return settings; }
   World& world() { return *state; }
@@ -45,16 +59,14 @@ class PackingRun {
   double timeStep() const { return dt; }
   const TimeStepBound& bound() const { return stepBound; }
   const RunProgress& progress() const { return counters; }
+  const std::vector<FrameSeries::Entry>& frameEntries() const { return frames; }
   Vessel vessel() const;
 
   /// What this run will do, in lines: particles, vessel, time step and why, what is skipped, memory and time expected.
   std::string describePlan() const;
 
-  /// Goes on until the bed is at rest, or trouble, or `stop` becomes true. `out`: folder of frames and checkpoints, which exists.
-  RunEnd run(const std::filesystem::path& out, const std::atomic<bool>& stop);
-
-  /// Continues from a checkpoint in the folder. Throws InputError if there is none that fits the scene.
-  void resume(const std::filesystem::path& out);
+  /// Goes on until the bed is at rest, or trouble, or `stop` becomes nonzero. `out`: folder of frames and checkpoints, which exists.
+  RunEnd run(const std::filesystem::path& out, const volatile std::sig_atomic_t& stop);
 
   /// Kinetic energy of the moving bodies over the sum of m g d of the particles poured last (d: equal-volume diameter).
   double restlessness() const;
@@ -68,8 +80,12 @@ class PackingRun {
   void freezeConsolidated();
   void observe(double interval);
   bool isResting() const;
+  double shareDone() const;
+  std::string describeProgress() const;
   void save(const std::filesystem::path& out);
+  void visitState(Archive& archive);
 
+  SceneSource origin;
   Scene settings;
   std::unique_ptr<World> state;
   std::unique_ptr<Inserter> pour;
@@ -78,6 +94,7 @@ class PackingRun {
   TimeStepBound stepBound;
   double dt = 0;
   RunProgress counters;
+  std::vector<FrameSeries::Entry> frames;  // of particles.pvd so far
 };
 
 }  // namespace granular

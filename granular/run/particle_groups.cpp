@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "granular/core/errors.h"
 #include "granular/insert/made_particle.h"
 #include "granular/mesh/rock.h"
 #include "granular/shape/shape_table.h"

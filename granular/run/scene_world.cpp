@@ -96,7 +96,7 @@ void addSceneWalls(const Scene& scene, World& world) {
       case WallSettings::Kind::plane: wall = makePlaneWall(settings.point, settings.normal.normalized()); break;
       case WallSettings::Kind::cylinder: wall = makeCylinderWall(settings.point.head<2>(), settings.radius); break;
       case WallSettings::Kind::mesh: {
-        TriangleMesh mesh = importTriangles(settings.file.string(), settings.unit * settings.scale);
+        TriangleMesh mesh = importTriangles(settings.file.string(), "m", settings.unit * settings.scale);
         for (Vec3& vertex : mesh.vertices) vertex += settings.point;
         wall = makeMeshWall(mesh, settings.file.string());
         break;

@@ -32,15 +32,38 @@ void Search::refreshPairs(const Bodies& bodies, double dt, double wallTravel, Pa
   mergePairs(bodies, list);
 }
 
+void Search::makeBroadPhase(const Bodies& bodies) {
+  double size = 0;
+  for (const Shape* shape : bodies.shape) size = std::max(size, shape->size());
+  // A large body measures a hundred units, so that the tree's absolute margin is small beside it.
+  broadPhase = settings.bruteForce ? makeBruteForceBroadPhase() : makeBulletBroadPhase(size > 0 ? size / 100 : 1);
+}
+
+void Search::packBoxes() {
+  lowest.clear();
+  highest.clear();
+  for (const Aabb& box : boxes) {
+    lowest.push_back(box.lo);
+    highest.push_back(box.hi);
+  }
+}
+
+void Search::restoreBoxes(const Bodies& bodies) {
+  boxes.resize(lowest.size());
+  makeBroadPhase(bodies);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    boxes[i].lo = lowest[i];
+    boxes[i].hi = highest[i];
+    broadPhase->place(i, boxes[i]);
+  }
+}
+
 void Search::placeBounds(const Bodies& bodies, double dt, double wallTravel) {
   const std::size_t n = bodies.size();
   // Starting over: bodies were removed, or a periodic domain makes its ghosts anew.
   const bool anew = !broadPhase || margins.size() > n || margins.empty() || settings.periods.any();
   if (anew) {
-    double size = 0;
-    for (std::size_t i = 0; i < n; ++i) size = std::max(size, bodies.shape[i]->size());
-    // A typical body measures a hundred units, so that the tree's absolute margin is small beside it.
-    broadPhase = settings.bruteForce ? makeBruteForceBroadPhase() : makeBulletBroadPhase(n > 0 ? size / 100 : 1);
+    makeBroadPhase(bodies);
     margins.clear();
   }
   const std::size_t known = margins.size();
@@ -61,7 +84,7 @@ void Search::placeBounds(const Bodies& bodies, double dt, double wallTravel) {
         const double period = settings.periods.length[k];
         if (period <= 0) continue;
         const double wrap = -std::floor((bodies.x[i][k] - settings.periods.origin[k]) / period);
-        wraps[i][static_cast<std::size_t>(k)] = static_cast<std::int16_t>(wrap);
+        wraps[i][static_cast<std::size_t>(k)] = static_cast<std::int32_t>(wrap);
         boxes[i].lo[k] += wrap * period;
         boxes[i].hi[k] += wrap * period;
       }
@@ -80,8 +103,8 @@ void Search::placeGhosts(const Bodies& bodies) {
   std::size_t proxy = bodies.size();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (int n = 14; n < 27; ++n) {
-      const Image image{static_cast<std::int16_t>(n / 9 - 1), static_cast<std::int16_t>(n / 3 % 3 - 1),
-                        static_cast<std::int16_t>(n % 3 - 1)};
+      const Image image{static_cast<std::int32_t>(n / 9 - 1), static_cast<std::int32_t>(n / 3 % 3 - 1),
+                        static_cast<std::int32_t>(n % 3 - 1)};
       Aabb box = boxes[i];
       bool near = true;
       for (int k = 0; k < 3 && near; ++k) {
@@ -115,13 +138,13 @@ void Search::mergePairs(const Bodies& bodies, PairList& list) {
       }
       const Image& wrapA = wraps[static_cast<std::size_t>(pair.a)];
       const Image& wrapB = wraps[static_cast<std::size_t>(pair.b)];
-      for (std::size_t m = 0; m < 3; ++m) pair.image[m] = static_cast<std::int16_t>(ghost[m] + wrapB[m] - wrapA[m]);
+      for (std::size_t m = 0; m < 3; ++m) pair.image[m] = static_cast<std::int32_t>(ghost[m] + wrapB[m] - wrapA[m]);
       if (pair.a == pair.b) continue;  // longer than half a period: refused at the start
     }
     if (!canMove(bodies, static_cast<std::size_t>(pair.a)) && !canMove(bodies, static_cast<std::size_t>(pair.b))) continue;
     if (bodies.id[static_cast<std::size_t>(pair.a)] > bodies.id[static_cast<std::size_t>(pair.b)]) {
       std::swap(pair.a, pair.b);
-      for (auto& steps : pair.image) steps = static_cast<std::int16_t>(-steps);
+      for (auto& steps : pair.image) steps = static_cast<std::int32_t>(-steps);
     }
     found.push_back(pair);
   }

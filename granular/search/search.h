@@ -46,9 +46,22 @@ class Search {
   /// Forgets the bounds: to be called when bodies were removed, reordered or moved by hand.
   void invalidate() { margins.clear(); }
 
+  /// Calls visit(name, column) for what a checkpoint must hold: when the next refresh comes depends on it.
+  template <class Visitor>
+  void visitState(Visitor&& visit) {
+    visit("margin", margins);
+    visit("travel_at_place", travelAtPlace);
+    visit("lowest", lowest);
+    visit("highest", highest);
+  }
+  /// Before saving, and after loading: boxes to columns, and back into a new broad phase.
+  void packBoxes();
+  void restoreBoxes(const Bodies& bodies);
+
   std::uint64_t refreshes = 0;
 
  private:
+  void makeBroadPhase(const Bodies& bodies);
   void placeBounds(const Bodies& bodies, double dt, double wallTravel);
   void placeGhosts(const Bodies& bodies);
   void mergePairs(const Bodies& bodies, PairList& list);
@@ -63,6 +76,7 @@ class Search {
   std::vector<Aabb> boxes;           // grown bounds as placed
   std::vector<double> margins;       // by which they were grown
   std::vector<double> travelAtPlace; // travel of the body (and the walls) when they were placed
+  std::vector<Vec3> lowest, highest; // boxes as columns, for a checkpoint
   std::vector<Image> wraps;          // periods that bring a body into the domain
   std::vector<Ghost> ghosts;
   std::vector<std::array<std::int32_t, 2>> candidates;

@@ -186,6 +186,10 @@ void refreshPairs(double dt, World& world) {
   if (!world.search.isDue(world.bodies, world.wallTravel)) return;
   world.search.refreshPairs(world.bodies, dt, world.wallTravel, world.pairs);
   refreshWallPairs(world);
+  layOutContacts(world);
+}
+
+void layOutContacts(World& world) {
   listIncidence(world);
   world.wallChunkBegin = chunkCount(world.pairs.pairs.size());
   world.chunks.resize(world.wallChunkBegin + chunkCount(world.pairs.wallPairs.size()));

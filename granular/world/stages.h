@@ -26,6 +26,9 @@ void letSleep(double dt, World& world);
 /// Counts and names trouble: states that are not finite, deep overlaps.
 void watch(World& world);
 
+/// Lays out incidence and chunks for the present pairs: after a refresh, and after loading a checkpoint.
+void layOutContacts(World& world);
+
 /// Keeps a contact of two bodies at rest until one of them moves.
 void holdContact(const Contact& contact, World& world);
 

@@ -1,0 +1,218 @@
+#include "granular/run/world_archive.h"
+
+#include "granular/run/packing_run.h"
+#include "granular/world/stages.h"
+
+namespace granular {
+
+template <>
+struct Element<BodyState> {
+  static constexpr ElementType type = ElementType::uint8;
+  static constexpr std::uint64_t width = 1;
+};
+
+namespace {
+
+/// A column made of one field of every row; field(row) returns a reference. Rows must have their final number.
+template <class T, class Row, class Field>
+void visitField(Archive& archive, std::string_view name, std::vector<Row>& rows, Field field) {
+  std::vector<T> column;
+  column.reserve(rows.size());
+  for (Row& row : rows) column.push_back(static_cast<T>(field(row)));
+  archive.visit(name, column);
+  if (!archive.loading()) return;
+  require(column.size() == rows.size(), "checkpoint: column " + std::string(name) + " is of another length than its neighbours");
+  for (std::size_t k = 0; k < rows.size(); ++k) field(rows[k]) = static_cast<std::decay_t<decltype(field(rows[k]))>>(column[k]);
+}
+
+/// The number of rows, which loading gives to the list.
+template <class Row>
+void visitCount(Archive& archive, std::vector<Row>& rows) {
+  auto count = static_cast<std::uint64_t>(rows.size());
+  archive.visit("count", count);
+  rows.resize(count);
+}
+
+void visitHistory(Archive& archive, std::vector<ContactHistory>& rows) {
+  archive.visitMember("spring", rows, &ContactHistory::spring, {"m", "tangential spring, world axes"});
+  archive.visitMember("normal", rows, &ContactHistory::normal, {"", "normal of the last step; zero: no contact"});
+  archive.visitMember("twist", rows, &ContactHistory::twist, {"rad", "torsional spring"});
+}
+
+void visitContacts(Archive& archive, std::vector<Contact>& rows) {
+  visitCount(archive, rows);
+  visitField<std::int32_t>(archive, "pair", rows, [](Contact& c) -> auto& { return c.pair; });
+  visitField<std::int32_t>(archive, "a", rows, [](Contact& c) -> auto& { return c.a; });
+  visitField<std::int32_t>(archive, "b", rows, [](Contact& c) -> auto& { return c.b; });
+  visitField<std::int32_t>(archive, "spot", rows, [](Contact& c) -> auto& { return c.spot; });
+  visitField<double>(archive, "share", rows, [](Contact& c) -> auto& { return c.share; });
+  visitField<Vec3>(archive, "shift", rows, [](Contact& c) -> auto& { return c.shift; });
+  visitField<Vec3>(archive, "normal", rows, [](Contact& c) -> auto& { return c.touch.normal; });
+  visitField<double>(archive, "overlap", rows, [](Contact& c) -> auto& { return c.touch.overlap; });
+  visitField<Vec3>(archive, "on_a", rows, [](Contact& c) -> auto& { return c.touch.onA; });
+  visitField<Vec3>(archive, "on_b", rows, [](Contact& c) -> auto& { return c.touch.onB; });
+  visitField<Vec3>(archive, "point", rows, [](Contact& c) -> auto& { return c.patch.point; });
+  visitField<Vec3>(archive, "centre", rows, [](Contact& c) -> auto& { return c.patch.centre; });
+  visitField<double>(archive, "area", rows, [](Contact& c) -> auto& { return c.patch.area; });
+  visitField<Vec3>(archive, "u", rows, [](Contact& c) -> auto& { return c.patch.u; });
+  visitField<double>(archive, "uu", rows, [](Contact& c) -> auto& { return c.patch.uu; });
+  visitField<double>(archive, "vv", rows, [](Contact& c) -> auto& { return c.patch.vv; });
+  visitField<double>(archive, "uv", rows, [](Contact& c) -> auto& { return c.patch.uv; });
+  visitField<Vec3>(archive, "force", rows, [](Contact& c) -> auto& { return c.force.force; });
+  visitField<Vec3>(archive, "couple", rows, [](Contact& c) -> auto& { return c.force.couple; });
+  visitField<double>(archive, "normal_force", rows, [](Contact& c) -> auto& { return c.force.normalForce; });
+  visitField<std::uint8_t>(archive, "sliding", rows, [](Contact& c) -> auto& { return c.force.sliding; });
+  visitField<std::uint8_t>(archive, "held", rows, [](Contact& c) -> auto& { return c.held; });
+  visitField<Vec3>(archive, "torque_a", rows, [](Contact& c) -> auto& { return c.torqueA; });
+  visitField<Vec3>(archive, "torque_b", rows, [](Contact& c) -> auto& { return c.torqueB; });
+}
+
+void visitPairs(Archive& archive, PairList& list) {
+  archive.inGroup("pairs", [&] {
+    archive.visitMember("a", list.pairs, &Pair::a, {"", "slot of the body of lower id"});
+    archive.visitMember("b", list.pairs, &Pair::b);
+    archive.visitMember("slot", list.pairs, &Pair::slot, {"", "row of memory"});
+    archive.visitMember("image", list.pairs, &Pair::image, {"", "periods to b's image"});
+    archive.visitMember("quiet_until", list.pairs, &Pair::quietUntil, {"m", "sum of travels before which it can't touch"});
+  });
+  archive.inGroup("memory", [&] {
+    PairMemory& memory = list.memory;
+    visitHistory(archive, memory.history);
+    archive.visitMember("kind", memory.cache, &WarmCache::kind, {"", "what the warm start verifies"});
+    archive.visitMember("feature_a", memory.cache, &WarmCache::featureA);
+    archive.visitMember("feature_b", memory.cache, &WarmCache::featureB);
+    archive.visitMember("touched", memory.cache, &WarmCache::touched);
+    archive.visitMember("direction", memory.cache, &WarmCache::direction);
+    archive.visitMember("budget", memory.cache, &WarmCache::budget, {"m", ""});
+    archive.visit("free", memory.free);
+    archive.inGroup("held", [&] { visitContacts(archive, memory.held); });
+  });
+}
+
+void visitWallPairs(Archive& archive, std::vector<WallPair>& pairs) {
+  archive.inGroup("wall_pairs", [&] {
+    visitCount(archive, pairs);
+    visitField<std::int32_t>(archive, "body", pairs, [](WallPair& p) -> auto& { return p.body; });
+    visitField<std::int32_t>(archive, "wall", pairs, [](WallPair& p) -> auto& { return p.wall; });
+    visitField<double>(archive, "quiet_until", pairs, [](WallPair& p) -> auto& { return p.quietUntil; });
+
+    // Lists of lists: how many each has, then all in one column.
+    std::vector<std::int32_t> spotCount, heldCount, spots;
+    std::vector<ContactHistory> histories;
+    std::vector<Contact> held;
+    for (const WallPair& pair : pairs) {
+      spotCount.push_back(static_cast<std::int32_t>(pair.spots.size()));
+      heldCount.push_back(static_cast<std::int32_t>(pair.held.size()));
+      for (const SpotHistory& spot : pair.spots) {
+        spots.push_back(spot.spot);
+        histories.push_back(spot.history);
+      }
+      held.insert(held.end(), pair.held.begin(), pair.held.end());
+    }
+    archive.visit("spot_count", spotCount);
+    archive.visit("held_count", heldCount);
+    archive.visit("spot", spots);
+    visitHistory(archive, histories);
+    archive.inGroup("held", [&] { visitContacts(archive, held); });
+    if (!archive.loading()) return;
+    std::size_t spot = 0, contact = 0;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      for (std::int32_t n = 0; n < spotCount[k]; ++n, ++spot) pairs[k].spots.push_back({spots[spot], histories[spot]});
+      for (std::int32_t n = 0; n < heldCount[k]; ++n) pairs[k].held.push_back(held[contact++]);
+    }
+  });
+}
+
+void visitReport(Archive& archive, Report& report) {
+  archive.inGroup("report", [&] {
+    NarrowCounts& narrow = report.narrow;
+    archive.visit("cold", narrow.cold);
+    archive.visit("searches", narrow.searches);
+    archive.visit("warm", narrow.warm);
+    archive.visit("uncertified", narrow.uncertified);
+    archive.visit("fallbacks", narrow.fallbacks);
+    archive.visit("missed", narrow.missed);
+    archive.visit("normal_flips", narrow.normalFlips);
+    archive.visit("deepest_overlap", report.deepestOverlap, {"", "over size"});
+    archive.visit("deepest_time", report.deepestTime, {"s", ""});
+    archive.visit("deepest_a", report.deepestA);
+    archive.visit("deepest_b", report.deepestB);
+    archive.visit("contact_steps", report.contactSteps);
+    archive.visit("body_steps", report.bodySteps);
+    archive.visit("stage_seconds", report.seconds, {"s", ""});
+    archive.visit("trouble_counts", report.troubleCounts);
+  });
+}
+
+}  // namespace
+
+void describe(Archive& archive, World& world) {
+  archive.visit("time", world.time, {"s", "of t_n"});
+  archive.visit("steps", world.steps);
+  archive.visit("wall_travel", world.wallTravel, {"m", ""});
+  archive.visit("next_id", world.nextId);
+  archive.visit("sleep_on", world.options.sleep.on);
+  archive.inGroup("bodies", [&] {
+    world.bodies.visitState([&](const char* name, auto& column) { archive.visit(name, column); });
+  });
+  visitPairs(archive, world.pairs);
+  visitWallPairs(archive, world.pairs.wallPairs);
+  archive.inGroup("search", [&] {
+    if (!archive.loading()) world.search.packBoxes();
+    world.search.visitState([&](const char* name, auto& column) { archive.visit(name, column); });
+    archive.visit("refreshes", world.search.refreshes);
+  });
+  archive.inGroup("sleep", [&] {
+    archive.visit("calm", world.sleep.calm, {"s", ""});
+    archive.visit("force", world.sleep.force, {"N", "net, when it fell asleep"});
+    archive.visit("torque", world.sleep.torque, {"N m", ""});
+    archive.visit("energy_let_go", world.sleep.energyLetGo, {"J", ""});
+    archive.visit("fallen", world.sleep.fallen);
+    archive.visit("woken", world.sleep.woken);
+  });
+  visitReport(archive, world.report);
+  if (!archive.loading()) return;
+  world.bodies.restoreDerived(world.shapes);
+  world.search.restoreBoxes(world.bodies);
+  world.chunks.clear();
+  layOutContacts(world);
+}
+
+void describe(Archive& archive, PourState& state) {
+  archive.visit("placed", state.placed);
+  archive.visit("batches", state.batches);
+  archive.visit("batch_left", state.batchLeft);
+  archive.visit("calls", state.calls);
+  archive.visit("attempts", state.attempts);
+  archive.visit("postponed", state.postponed);
+}
+
+void describe(Archive& archive, RunProgress& progress) {
+  archive.visit("calm", progress.calm, {"s", ""});
+  archive.visit("batch_start", progress.batchStart, {"s", ""});
+  archive.visit("poured_at", progress.pouredAt, {"s", ""});
+  archive.visit("consolidated", progress.consolidated);
+  archive.visit("awake", progress.awake);
+  archive.visit("frozen_below", progress.frozenBelow);
+  archive.visit("late_batches", progress.lateBatches);
+  archive.visit("frames", progress.frames);
+  archive.visit("next_frame", progress.nextFrame, {"s", ""});
+  archive.visit("next_checkpoint", progress.nextCheckpoint, {"s", ""});
+  archive.visit("wall", progress.wall, {"s", ""});
+  archive.visit("smallest_bound", progress.smallestBound, {"s", ""});
+}
+
+void describe(Archive& archive, std::vector<FrameSeries::Entry>& frames) {
+  std::vector<double> times;
+  std::vector<std::string> files;
+  for (const FrameSeries::Entry& entry : frames) {
+    times.push_back(entry.time);
+    files.push_back(entry.file);
+  }
+  archive.visit("time", times, {"s", ""});
+  archive.visit("file", files);
+  frames.clear();
+  for (std::size_t k = 0; k < times.size(); ++k) frames.push_back({times[k], files[k]});
+}
+
+}  // namespace granular
