@@ -69,7 +69,7 @@ struct ModelSettings {
 
 struct TimeSettings {
   std::optional<double> step;  ///< s; not given ("auto"): fraction of the stability bound
-  double fraction = 0.2;       ///< of the stability bound
+  double fraction = 0.5;       ///< of the stability bound
   double maxTime = infinity;   ///< simulated, s: the run stops here with whatever it has
 };
 
@@ -147,15 +147,15 @@ struct InsertionSettings {
 struct SettleSettings {
   enum class Kind { none, freeze, sleep };
   Kind kind = Kind::none;
-  double energy = 1e-6;   ///< sleep: slow is a kinetic energy below this times m g d
-  double balance = 1e-2;  ///< sleep: and a net force below this times m g
+  double energy = 1e-4;   ///< sleep: slow is a kinetic energy below this times m g d
+  double balance = 0.1;   ///< sleep: taken out when the net force is below this times m g
   double time = 1e-2;     ///< sleep: for so long, s
-  double wake = 5e-2;     ///< sleep: woken when the net force differs from that at sleep by this times m g
+  double wake = 0.3;      ///< sleep: woken when the net force differs from that at sleep by this times m g
 };
 
 /// When the run is over.
 struct RestSettings {
-  double energy = 1e-6;  ///< kinetic energy per particle below this times m g d
+  double energy = 1e-4;  ///< kinetic energy per particle below this times m g d
   double time = 0.02;    ///< for so long, s
   double maxTime = 5;    ///< waited for at most, s after the last particle
 };

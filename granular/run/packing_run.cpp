@@ -183,6 +183,7 @@ void PackingRun::freezeConsolidated() {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (bodies.moves(i)) bodies.hold(i, BodyState::frozen);
   }
+  state->search.invalidate();  // pairs of two frozen bodies are no longer needed
   counters.frozenBelow = state->nextId;
 }
 
@@ -216,9 +217,7 @@ void PackingRun::observe(double interval) {
   }
   if (!pouring && !counters.awake && counters.calm >= settings.rest.time) {
     // Rest must hold with every body awake.
-    for (std::size_t i = 0; i < state->bodies.size(); ++i) {
-      if (state->bodies.state[i] == BodyState::asleep) state->bodies.release(i);
-    }
+    wakeAll(*state);
     state->options.sleep.on = false;
     counters.awake = true;
     if (state->sleep.fallen > 0) counters.calm = 0;
@@ -280,9 +279,12 @@ double PackingRun::shareDone() const {
 }
 
 std::string PackingRun::describeProgress() const {
-  return fmt::format("t = {:.3f} s, {} of {} particles, {} contacts, deepest overlap {:.2f} %", state->time,
-                     state->bodies.size(), pour->count() + static_cast<std::int64_t>(state->bodies.size()) - pour->state().placed,
-                     state->contactCount(), 100 * state->report.deepestOverlap);
+  const Bodies& bodies = state->bodies;
+  const auto asleep = std::count(bodies.state.begin(), bodies.state.end(), BodyState::asleep);
+  const std::int64_t left = pour->count() - pour->state().placed;
+  return fmt::format("t = {:.3f} s, {} of {} particles, {} asleep, {} contacts, kinetic energy {:.1e} m g d, deepest overlap {:.2f} %",
+                     state->time, bodies.size(), static_cast<std::int64_t>(bodies.size()) + left, asleep,
+                     state->contactCount(), restlessness(), 100 * state->report.deepestOverlap);
 }
 
 void PackingRun::save(const std::filesystem::path& out) {

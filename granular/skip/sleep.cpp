@@ -2,8 +2,7 @@
 
 namespace granular {
 
-void updateSleep(const SleepOptions& options, double gravity, double dt, Bodies& bodies, SleepState& state,
-                 std::vector<std::int32_t>& fallen) {
+void updateSleep(const SleepOptions& options, double gravity, double dt, Bodies& bodies, SleepState& state) {
   const std::size_t n = bodies.size();
   state.calm.resize(n, 0);
   state.force.resize(n, Vec3::Zero());
@@ -25,17 +24,17 @@ void updateSleep(const SleepOptions& options, double gravity, double dt, Bodies&
     }
     const Vec3 spin = bodies.frame[i].unrotate(bodies.w[i]);
     const double energy = 0.5 * (bodies.mass[i] * bodies.v[i].squaredNorm() + spin.dot(bodies.inertia[i].cwiseProduct(spin)));
-    const double balance = options.balance * weight;
-    const bool calm = energy <= options.energy * weight * 2 * size && bodies.force[i].squaredNorm() <= balance * balance &&
-                      bodies.torque[i].squaredNorm() <= balance * balance * size * size;
-    state.calm[i] = calm ? state.calm[i] + dt : 0;
+    state.calm[i] = energy <= options.energy * weight * 2 * size ? state.calm[i] + dt : 0;
     if (state.calm[i] < options.time) continue;
+    const double balance = options.balance * weight;
+    if (bodies.force[i].squaredNorm() > balance * balance || bodies.torque[i].squaredNorm() > balance * balance * size * size) {
+      continue;
+    }
     state.force[i] = bodies.force[i];
     state.torque[i] = bodies.torque[i];
     state.energyLetGo += energy;
     ++state.fallen;
     bodies.hold(i, BodyState::asleep);
-    fallen.push_back(static_cast<std::int32_t>(i));
   }
 }
 

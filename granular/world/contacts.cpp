@@ -45,29 +45,73 @@ void refreshWallPairs(World& world) {
   list.swap(found);
 }
 
-/// For each body the pairs it is part of, in the order of the lists.
-void listIncidence(World& world) {
-  const std::size_t n = world.bodies.size();
-  auto& begin = world.incidenceBegin;
-  begin.assign(n + 1, 0);
-  for (const Pair& pair : world.pairs.pairs) {
-    ++begin[at(pair.a) + 1];
-    ++begin[at(pair.b) + 1];
-  }
-  for (const WallPair& pair : world.pairs.wallPairs) ++begin[at(pair.body) + 1];
-  for (std::size_t i = 0; i < n; ++i) begin[i + 1] += begin[i];
-  world.incidence.resize(at(begin[n]));
-  std::vector<std::int32_t> next(begin.begin(), begin.end() - 1);
+/// The pairs with a body that moves.
+void listActivePairs(World& world) {
+  const Bodies& bodies = world.bodies;
+  world.activePairs.clear();
+  world.activeWallPairs.clear();
   std::int32_t index = 0;
   for (const Pair& pair : world.pairs.pairs) {
-    world.incidence[at(next[at(pair.a)]++)] = {index, false};
-    world.incidence[at(next[at(pair.b)]++)] = {index, true};
+    if (bodies.moves(at(pair.a)) || bodies.moves(at(pair.b))) world.activePairs.push_back(index);
     ++index;
   }
   index = 0;
   for (const WallPair& pair : world.pairs.wallPairs) {
-    world.incidence[at(next[at(pair.body)]++)] = {-1 - index, false};
+    if (bodies.moves(at(pair.body))) world.activeWallPairs.push_back(index);
     ++index;
+  }
+}
+
+/// For each body the active pairs it is part of, in the order of the lists.
+void listIncidence(World& world) {
+  const std::size_t n = world.bodies.size();
+  auto& begin = world.incidenceBegin;
+  begin.assign(n + 1, 0);
+  for (const std::int32_t p : world.activePairs) {
+    const Pair& pair = world.pairs.pairs[at(p)];
+    ++begin[at(pair.a) + 1];
+    ++begin[at(pair.b) + 1];
+  }
+  for (const std::int32_t p : world.activeWallPairs) ++begin[at(world.pairs.wallPairs[at(p)].body) + 1];
+  for (std::size_t i = 0; i < n; ++i) begin[i + 1] += begin[i];
+  world.incidence.resize(at(begin[n]));
+  std::vector<std::int32_t> next(begin.begin(), begin.end() - 1);
+  std::int32_t position = 0;
+  for (const std::int32_t p : world.activePairs) {
+    const Pair& pair = world.pairs.pairs[at(p)];
+    world.incidence[at(next[at(pair.a)]++)] = {position, false};
+    world.incidence[at(next[at(pair.b)]++)] = {position, true};
+    ++position;
+  }
+  position = 0;
+  for (const std::int32_t p : world.activeWallPairs) {
+    world.incidence[at(next[at(world.pairs.wallPairs[at(p)].body)]++)] = {-1 - position, false};
+    ++position;
+  }
+}
+
+/// Sums the contacts between bodies at rest, which a step does not look at.
+void sumHeldForces(World& world) {
+  if (world.pairs.memory.held.empty() && world.heldForce.empty()) return;
+  const Bodies& bodies = world.bodies;
+  world.heldForce.assign(bodies.size(), Vec3::Zero());
+  world.heldTorque.assign(bodies.size(), Vec3::Zero());
+  auto& held = world.pairs.memory.held;
+  held.resize(world.pairs.memory.cache.size());
+  for (const Pair& pair : world.pairs.pairs) {
+    const Contact& contact = held[at(pair.slot)];
+    if (contact.a < 0 || bodies.moves(at(pair.a)) || bodies.moves(at(pair.b))) continue;
+    world.heldForce[at(pair.a)] += contact.force.force;
+    world.heldTorque[at(pair.a)] += contact.torqueA;
+    world.heldForce[at(pair.b)] -= contact.force.force;
+    world.heldTorque[at(pair.b)] += contact.torqueB;
+  }
+  for (const WallPair& pair : world.pairs.wallPairs) {
+    if (bodies.moves(at(pair.body))) continue;
+    for (const Contact& contact : pair.held) {
+      world.heldForce[at(pair.body)] += contact.force.force;
+      world.heldTorque[at(pair.body)] += contact.torqueA;
+    }
   }
 }
 
@@ -86,12 +130,6 @@ void noteDepth(World::Chunk& chunk, double overlap, double size) {
   }
 }
 
-/// The contact of two bodies at rest goes on as it was.
-void pushHeld(const Contact& contact, std::int32_t index, World::Chunk& chunk) {
-  chunk.contacts.push_back(contact);
-  chunk.contacts.back().pair = index;
-}
-
 /// Looks at one pair of bodies; appends its contact if it touches.
 void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   const Bodies& bodies = world.bodies;
@@ -99,10 +137,6 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   const std::size_t a = at(pair.a);
   const std::size_t b = at(pair.b);
   std::vector<Contact>& held = world.pairs.memory.held;
-  if (!bodies.moves(a) && !bodies.moves(b)) {
-    if (at(pair.slot) < held.size() && held[at(pair.slot)].a >= 0) pushHeld(held[at(pair.slot)], index, chunk);
-    return;
-  }
   if (at(pair.slot) < held.size()) held[at(pair.slot)].a = -1;
   const double travel = bodies.travel[a] + bodies.travel[b];
   if (world.options.skips.separation && travel < pair.quietUntil) return;
@@ -132,10 +166,6 @@ void lookAtWallPair(World& world, std::int32_t index, World::Chunk& chunk) {
   const Bodies& bodies = world.bodies;
   WallPair& pair = world.pairs.wallPairs[at(index)];
   const std::size_t i = at(pair.body);
-  if (!bodies.moves(i)) {
-    for (const Contact& contact : pair.held) pushHeld(contact, index, chunk);
-    return;
-  }
   pair.held.clear();
   const double travel = bodies.travel[i] + world.wallTravel;
   if (world.options.skips.separation && travel < pair.quietUntil) return;
@@ -165,16 +195,19 @@ void lookAtWallPair(World& world, std::int32_t index, World::Chunk& chunk) {
   }
 }
 
-/// Keeps the history of the spots that still touch, in the order of the contacts; new spots start at zero.
-void matchSpots(std::vector<SpotHistory>& spots, const Contact* contacts, std::size_t count) {
+/// Keeps the history of the spots that still touch, in the order of the pair's contacts, which begin at `first`; new spots
+/// start at zero.
+void matchSpots(std::vector<SpotHistory>& spots, const std::vector<Contact>& contacts, std::size_t first) {
+  std::size_t count = 1;
+  while (first + count < contacts.size() && contacts[first + count].pair == contacts[first].pair) ++count;
   bool same = spots.size() == count;
-  for (std::size_t k = 0; k < count && same; ++k) same = spots[k].spot == contacts[k].spot;
+  for (std::size_t k = 0; k < count && same; ++k) same = spots[k].spot == contacts[first + k].spot;
   if (same) return;
   std::vector<SpotHistory> matched(count);
   for (std::size_t k = 0; k < count; ++k) {
-    matched[k].spot = contacts[k].spot;
+    matched[k].spot = contacts[first + k].spot;
     for (const SpotHistory& old : spots) {
-      if (old.spot == contacts[k].spot) matched[k] = old;
+      if (old.spot == matched[k].spot) matched[k] = old;
     }
   }
   spots.swap(matched);
@@ -183,36 +216,42 @@ void matchSpots(std::vector<SpotHistory>& spots, const Contact* contacts, std::s
 }  // namespace
 
 void refreshPairs(double dt, World& world) {
-  if (!world.search.isDue(world.bodies, world.wallTravel)) return;
-  world.search.refreshPairs(world.bodies, dt, world.wallTravel, world.pairs);
-  refreshWallPairs(world);
-  layOutContacts(world);
+  if (world.search.isDue(world.bodies, world.wallTravel)) {
+    world.search.refreshPairs(world.bodies, dt, world.wallTravel, world.pairs);
+    refreshWallPairs(world);
+    world.layoutStale = true;
+  }
+  if (world.layoutStale) layOutContacts(world);
 }
 
 void layOutContacts(World& world) {
+  listActivePairs(world);
   listIncidence(world);
-  world.wallChunkBegin = chunkCount(world.pairs.pairs.size());
-  world.chunks.resize(world.wallChunkBegin + chunkCount(world.pairs.wallPairs.size()));
-  world.contactsOfPair.resize(world.pairs.pairs.size() + world.pairs.wallPairs.size());
+  sumHeldForces(world);
+  world.wallChunkBegin = chunkCount(world.activePairs.size());
+  world.chunks.resize(world.wallChunkBegin + chunkCount(world.activeWallPairs.size()));
+  world.contactsOfPair.resize(world.activePairs.size() + world.activeWallPairs.size());
+  world.layoutStale = false;
 }
 
 void findContacts(World& world) {
-  const std::size_t pairCount = world.pairs.pairs.size();
+  const std::size_t pairCount = world.activePairs.size();
   const auto chunks = static_cast<std::int64_t>(world.chunks.size());
 #pragma omp parallel for schedule(dynamic, 4)
   for (std::int64_t c = 0; c < chunks; ++c) {
     World::Chunk& chunk = world.chunks[static_cast<std::size_t>(c)];
     startChunk(chunk);
     const bool atWalls = static_cast<std::size_t>(c) >= world.wallChunkBegin;
-    const Range range = atWalls ? chunkRange(static_cast<std::size_t>(c) - world.wallChunkBegin, world.pairs.wallPairs.size())
-                                : chunkRange(static_cast<std::size_t>(c), pairCount);
+    const Range range = atWalls
+                            ? chunkRange(static_cast<std::size_t>(c) - world.wallChunkBegin, world.activeWallPairs.size())
+                            : chunkRange(static_cast<std::size_t>(c), pairCount);
     const std::size_t rangeOffset = atWalls ? pairCount : 0;
     for (std::size_t p = range.first; p < range.last; ++p) {
       const auto first = static_cast<std::int32_t>(chunk.contacts.size());
       if (atWalls) {
-        lookAtWallPair(world, static_cast<std::int32_t>(p), chunk);
+        lookAtWallPair(world, world.activeWallPairs[p], chunk);
       } else {
-        lookAtPair(world, static_cast<std::int32_t>(p), chunk);
+        lookAtPair(world, world.activePairs[p], chunk);
       }
       world.contactsOfPair[rangeOffset + p] = {first, static_cast<std::int32_t>(chunk.contacts.size()) - first};
     }
@@ -225,7 +264,6 @@ void placeContactPoints(World& world) {
 #pragma omp parallel for schedule(dynamic, 4)
   for (std::int64_t c = 0; c < chunks; ++c) {
     for (Contact& contact : world.chunks[static_cast<std::size_t>(c)].contacts) {
-      if (contact.held) continue;
       const std::size_t a = at(contact.a);
       const std::size_t b = at(contact.b);
       Frame frameB = bodies.frame[b];
@@ -256,9 +294,9 @@ void applyForceLaws(double dt, World& world) {
   for (std::int64_t c = 0; c < chunks; ++c) {
     World::Chunk& chunk = world.chunks[static_cast<std::size_t>(c)];
     const bool atWalls = static_cast<std::size_t>(c) >= world.wallChunkBegin;
+    std::size_t firstOfPair = 0;
     for (std::size_t k = 0; k < chunk.contacts.size(); ++k) {
       Contact& contact = chunk.contacts[k];
-      if (contact.held) continue;
       const std::size_t a = at(contact.a);
       const Vec3& point = contact.patch.point;
 
@@ -302,10 +340,11 @@ void applyForceLaws(double dt, World& world) {
       ContactHistory* history = nullptr;
       if (atWalls) {
         auto& spots = world.pairs.wallPairs[at(contact.pair)].spots;
-        const auto& range = world.contactsOfPair[world.pairs.pairs.size() + at(contact.pair)];
-        const std::size_t index = k - at(range.first);
-        if (index == 0) matchSpots(spots, &contact, at(range.count));
-        history = &spots[index].history;
+        if (k == 0 || chunk.contacts[k - 1].pair != contact.pair) {
+          firstOfPair = k;
+          matchSpots(spots, chunk.contacts, k);
+        }
+        history = &spots[k - firstOfPair].history;
       } else {
         history = &world.pairs.memory.history[at(world.pairs.pairs[at(contact.pair)].slot)];
       }
@@ -318,36 +357,37 @@ void applyForceLaws(double dt, World& world) {
   }
 }
 
-void holdContact(const Contact& contact, World& world) {
-  Contact kept = contact;
-  kept.held = true;
+void holdContact(Contact& contact, World& world) {
+  contact.held = true;
   if (contact.b < 0) {
-    auto& held = world.pairs.wallPairs[at(contact.pair)].held;
-    for (const Contact& known : held) {
-      if (known.spot == contact.spot) return;
-    }
-    held.push_back(kept);
+    world.pairs.wallPairs[at(contact.pair)].held.push_back(contact);
     return;
   }
   auto& held = world.pairs.memory.held;
   held.resize(world.pairs.memory.cache.size());
-  held[at(world.pairs.pairs[at(contact.pair)].slot)] = kept;
+  held[at(world.pairs.pairs[at(contact.pair)].slot)] = contact;
 }
 
 void gatherForces(World& world) {
   Bodies& bodies = world.bodies;
-  const std::size_t pairCount = world.pairs.pairs.size();
+  const std::size_t pairCount = world.activePairs.size();
   const auto n = static_cast<std::int64_t>(bodies.size());
 #pragma omp parallel for schedule(static)
   for (std::int64_t ii = 0; ii < n; ++ii) {
     const auto i = static_cast<std::size_t>(ii);
-    if (bodies.state[i] == BodyState::frozen) continue;
+    const bool asleep = bodies.state[i] == BodyState::asleep;
+    // A sleeper that nothing moving is near keeps its force; a frozen body needs none.
+    if (!bodies.moves(i) && (!asleep || world.incidenceBegin[i] == world.incidenceBegin[i + 1])) continue;
     Vec3 force = bodies.mass[i] * world.options.gravity;
     Vec3 torque = Vec3::Zero();
+    if (asleep) {
+      force += world.heldForce[i];
+      torque += world.heldTorque[i];
+    }
     for (std::int32_t e = world.incidenceBegin[i]; e < world.incidenceBegin[i + 1]; ++e) {
       const World::Incidence& link = world.incidence[at(e)];
-      const bool atWall = link.pair < 0;
-      const std::size_t p = atWall ? at(-1 - link.pair) : at(link.pair);
+      const bool atWall = link.active < 0;
+      const std::size_t p = atWall ? at(-1 - link.active) : at(link.active);
       const World::ContactRange& range = world.contactsOfPair[atWall ? pairCount + p : p];
       if (range.count == 0) continue;
       const std::size_t chunk = p / World::chunkSize + (atWall ? world.wallChunkBegin : 0);

@@ -59,17 +59,26 @@ void advance(double dt, const WorldOptions& options, Bodies& bodies) {
 
 void letSleep(double dt, World& world) {
   if (!world.options.sleep.on) return;
-  std::vector<std::int32_t> fallen;
-  updateSleep(world.options.sleep, world.options.gravity.norm(), dt, world.bodies, world.sleep, fallen);
-  if (fallen.empty()) return;
+  Bodies& bodies = world.bodies;
+  const std::uint64_t before = world.sleep.fallen + world.sleep.woken;
+  updateSleep(world.options.sleep, world.options.gravity.norm(), dt, bodies, world.sleep);
+  if (world.sleep.fallen + world.sleep.woken == before) return;
+  world.layoutStale = true;
   // A contact between bodies that both rest keeps its force until one of them wakes.
-  for (std::size_t c = 0; c < world.chunks.size(); ++c) {
-    for (const Contact& contact : world.chunks[c].contacts) {
-      if (world.bodies.moves(static_cast<std::size_t>(contact.a))) continue;
-      if (contact.b >= 0 && world.bodies.moves(static_cast<std::size_t>(contact.b))) continue;
+  for (World::Chunk& chunk : world.chunks) {
+    for (Contact& contact : chunk.contacts) {
+      if (bodies.moves(static_cast<std::size_t>(contact.a))) continue;
+      if (contact.b >= 0 && bodies.moves(static_cast<std::size_t>(contact.b))) continue;
       holdContact(contact, world);
     }
   }
+}
+
+void wakeAll(World& world) {
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    if (world.bodies.state[i] == BodyState::asleep) world.bodies.release(i);
+  }
+  world.layoutStale = true;
 }
 
 void startHalfSteps(World& world, double dt, std::size_t first, bool withContacts) {

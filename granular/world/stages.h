@@ -30,6 +30,6 @@ void watch(World& world);
 void layOutContacts(World& world);
 
 /// Keeps a contact of two bodies at rest until one of them moves.
-void holdContact(const Contact& contact, World& world);
+void holdContact(Contact& contact, World& world);
 
 }  // namespace granular

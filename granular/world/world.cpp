@@ -57,7 +57,7 @@ void World::removeBodies(const std::vector<bool>& gone) {
 
 std::size_t World::contactCount() const {
   std::size_t count = 0;
-  for (const Chunk& chunk : chunks) count += chunk.contacts.size();
+  visitContacts([&](const Contact&) { ++count; });
   return count;
 }
 

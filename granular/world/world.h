@@ -71,18 +71,23 @@ struct World {
   std::size_t wallChunkBegin = 0;
   static constexpr std::size_t chunkSize = 128;
 
-  /// Which contacts belong to a body, in the order of its pairs: fixed between searches.
+  /// The pairs a step looks at: those with a body that moves. Indices into the lists, in their order.
+  std::vector<std::int32_t> activePairs, activeWallPairs;
+  /// Which active pairs a body is part of, in the order of the lists.
   struct Incidence {
-    std::int32_t pair;  ///< pair index, or for walls -1 - wall pair index
+    std::int32_t active;  ///< position in activePairs, or for walls -1 - position in activeWallPairs
     bool isB;
   };
   std::vector<std::int32_t> incidenceBegin;
   std::vector<Incidence> incidence;
-  /// Contacts of a pair (body pairs, then wall pairs): first index in its chunk, and how many.
+  /// Contacts of an active pair (body pairs, then wall pairs): first index in its chunk, and how many.
   struct ContactRange {
     std::int32_t first = 0, count = 0;
   };
   std::vector<ContactRange> contactsOfPair;
+  /// Sums of the contacts a body at rest has with others at rest, which keep their force; empty unless bodies sleep.
+  std::vector<Vec3> heldForce, heldTorque;
+  bool layoutStale = false;  ///< bodies fell asleep or woke: lay out the contacts anew
 
   std::vector<Vec3> wallForces;  ///< on each wall, N, of the last step
   Report report;
@@ -94,11 +99,21 @@ struct World {
   /// Removes the marked slots with their pairs.
   void removeBodies(const std::vector<bool>& gone);
 
-  /// Calls visit(const Contact&) for every contact of the last step, in the order of the pairs.
+  /// Calls visit(const Contact&) for every contact of the last step in the order of the pairs, then for those held between
+  /// bodies at rest.
   template <class Visitor>
   void visitContacts(Visitor&& visit) const {
     for (const Chunk& chunk : chunks) {
-      for (const Contact& contact : chunk.contacts) visit(contact);
+      for (const Contact& contact : chunk.contacts) {
+        if (!contact.held) visit(contact);
+      }
+    }
+    for (const Pair& pair : pairs.pairs) {
+      const auto slot = static_cast<std::size_t>(pair.slot);
+      if (slot < pairs.memory.held.size() && pairs.memory.held[slot].a >= 0) visit(pairs.memory.held[slot]);
+    }
+    for (const WallPair& pair : pairs.wallPairs) {
+      for (const Contact& contact : pair.held) visit(contact);
     }
   }
   std::size_t contactCount() const;
@@ -106,6 +121,9 @@ struct World {
 
 /// Kinetic energy of all bodies at t_n, J.
 double kineticEnergy(const Bodies& bodies);
+
+/// Wakes every sleeper.
+void wakeAll(World& world);
 
 /// One time step of dt seconds: from t_n to t_{n+1}.
 void step(World& world, double dt);
