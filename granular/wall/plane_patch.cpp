@@ -51,7 +51,7 @@ void SunkenSurface::lookAtFaces(const SurfaceSide& side) {
     if (face == noEdge || count == faces.size()) return;
     if (std::find(faces.begin(), faces.begin() + count, face) == faces.begin() + count) faces[count++] = face;
   };
-  add(side.findStartFace());
+  add(side.findStartFace(1e-3 * overlap));
   for (std::size_t k = 0; k < count; ++k) {
     Piece& piece = pieces.emplace_back();
     piece.depth = side.findHeight(faces[k]);
@@ -61,7 +61,7 @@ void SunkenSurface::lookAtFaces(const SurfaceSide& side) {
     clipPolygon(piece.depth, noEdge, piece.region);
     for (int e = 0; e < piece.region.count; ++e)
       if (piece.depth.at(piece.region[e]) > 0 || piece.depth.at(piece.region[piece.region.next(e)]) > 0)
-        add(piece.region.edge(e));
+        if (piece.region.edge(e) != noEdge && side.isSeen(piece.region.edge(e))) add(piece.region.edge(e));
   }
 }
 

@@ -92,7 +92,7 @@ void listIncidence(World& world) {
 
 /// Sums the contacts between bodies at rest, which a step does not look at.
 void sumHeldForces(World& world) {
-  if (world.pairs.memory.held.empty() && world.heldForce.empty()) return;
+  if (world.sleep.fallen == 0) return;
   const Bodies& bodies = world.bodies;
   world.heldForce.assign(bodies.size(), Vec3::Zero());
   world.heldTorque.assign(bodies.size(), Vec3::Zero());
