@@ -254,7 +254,10 @@ TEST(Scene, EveryProblemIsListedAtOnce) {
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 2);
 }
 
-TEST(Scene, BrokenTomlIsNamedWithLine) { expectError("[vessel\nkind = 1\n", {"bed.toml:1:", "not valid TOML"}); }
+TEST(Scene, BrokenTomlIsNamedWithLine) {
+  expectError("\n[=\n", {"bed.toml:2:2", "not valid TOML"});
+  expectError("[vessel\nkind = 1\n", {"bed.toml:1:", "not valid TOML"});
+}
 
 TEST(Scene, RandomlyDamagedScenesAreReadOrRefused) {
   Random random(3);
