@@ -164,7 +164,8 @@ void PackingRun::addParticle(const NewParticle& particle) {
 
 void PackingRun::insertDue() {
   if (pour->isDone() || !pour->isDue(state->time, counters.consolidated)) return;
-  if (settings.settle.kind == SettleSettings::Kind::freeze) freezeConsolidated();
+  // A batch that found no room for its last particles goes on while the first are still falling: those stay free.
+  if (settings.settle.kind == SettleSettings::Kind::freeze && counters.consolidated) freezeConsolidated();
   std::vector<PlacedShape> present;
   for (std::size_t i = 0; i < state->bodies.size(); ++i) present.push_back({state->bodies.shape[i], state->bodies.frame[i]});
   const std::size_t first = state->bodies.size();
