@@ -280,6 +280,21 @@ void joinPieces(Builder& build) {
       if (side >= 0) side = build.pieceRidge[at(side)];
 }
 
+/// True if all that meets at the corner lies below the planes of its facets; at a rim, within its line as well.
+bool isConvex(const FacetMesh& mesh, const Corner& corner) {
+  const auto liesBelow = [&](const Vec3& normal) {
+    for (std::int32_t k = corner.spokeBegin; k < corner.spokeEnd; ++k)
+      if (normal.dot(mesh.spokes[at(k)]) > tolerance::certificate) return false;
+    return true;
+  };
+  for (std::int32_t k = corner.ridgeBegin; k < corner.ridgeEnd; ++k) {
+    const Ridge& ridge = mesh.ridges[at(mesh.cornerRidges[at(k)])];
+    const Vec3 other = ridge.right < 0 ? Vec3(-ridge.intoLeft) : mesh.facets[at(ridge.right)].normal;
+    if (!ridge.convex || !liesBelow(mesh.facets[at(ridge.left)].normal) || !liesBelow(other)) return false;
+  }
+  return true;
+}
+
 /// Corners: ends of ridges where at least one convex ridge arrives, with all mesh edges there as the cone.
 void findCorners(Builder& build) {
   FacetMesh& mesh = build.mesh;
@@ -290,7 +305,7 @@ void findCorners(Builder& build) {
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (cornerOf[v] == 0) {
       cornerOf[v] = static_cast<std::int32_t>(mesh.corners.size());
-      mesh.corners.push_back({static_cast<std::int32_t>(v), 0, 0, 0, 0});
+      mesh.corners.push_back({static_cast<std::int32_t>(v), 0, 0, 0, 0, false});
     }
 
   // Ridges that end at each corner, and the far ends of all mesh edges there, by counting.
@@ -319,6 +334,11 @@ void findCorners(Builder& build) {
     for (std::int32_t v : spokes[c])
       mesh.spokes.push_back((mesh.vertices[at(v)] - mesh.vertices[at(corner.vertex)]).normalized());
     corner.spokeEnd = static_cast<std::int32_t>(mesh.spokes.size());
+    corner.convex = isConvex(mesh, corner);
+  }
+  for (Ridge& ridge : mesh.ridges) {
+    ridge.cornerA = cornerOf[at(ridge.a)];
+    ridge.cornerB = cornerOf[at(ridge.b)];
   }
 }
 

@@ -17,11 +17,12 @@ namespace granular {
 /// A straight edge between two facets, or at the rim of an open sheet.
 struct Ridge {
   std::int32_t a, b;  ///< end vertices; facet `left` lies to the left of a -> b, seen from the granular side
-  std::int32_t left, right = -1;  ///< facets; right = -1 at a rim
-  bool convex = true;             ///< it stands out towards the grains; rims do. Concave ridges touch nothing
-  Vec3 direction;                 ///< unit, a to b
-  double length;                  ///< m
-  Vec3 intoLeft, intoRight;       ///< unit, in the plane of either facet, perpendicular to the ridge, into the facet
+  std::int32_t left, right = -1;            ///< facets; right = -1 at a rim
+  bool convex = true;                       ///< it stands out towards the grains; rims do. Concave ridges touch nothing
+  Vec3 direction;                           ///< unit, a to b
+  double length;                            ///< m
+  std::int32_t cornerA = -1, cornerB = -1;  ///< into corners
+  Vec3 intoLeft, intoRight;  ///< unit, in the plane of either facet, perpendicular to the ridge, into the facet
 };
 
 /// A vertex where a convex ridge ends. A normal n belongs to it if n . d <= 0 for each of its spokes d.
@@ -29,6 +30,7 @@ struct Corner {
   std::int32_t vertex;
   std::int32_t ridgeBegin, ridgeEnd;  ///< into cornerRidges
   std::int32_t spokeBegin, spokeEnd;  ///< into spokes
+  bool convex = false;                ///< the solid at the corner lies below every one of its facets
 };
 
 struct FacetMesh {

@@ -26,9 +26,10 @@ namespace granular {
 /// The depth of a body below the infinite line of a convex ridge. Normals point out of the wall.
 struct RidgeDepth {
   std::int32_t ridge;
-  double least;  ///< over all normals of the ridge's cone, m; not positive: apart
-  bool near;     ///< the body's own box reaches the ridge
-  bool found;    ///< there is a local minimum between the facets' normals; what follows describes the least of them
+  double around;  ///< least of this and the ridges that meet it at convex corners, m
+  double least;   ///< over all normals of the ridge's cone, m; not positive: apart
+  bool near;      ///< the body's own box reaches the ridge
+  bool found;     ///< there is a local minimum between the facets' normals; what follows describes the least of them
   Vec3 normal;
   double overlap;  ///< m
   Vec3 deepest;    ///< of the body, straight below the line, world axes
@@ -72,5 +73,11 @@ inline double leastWeight(double least, double overlap) { return std::clamp((lea
 
 /// The contact with a part, or null; touches ascending by part.
 const PartTouch* findPart(std::span<const PartTouch> touches, std::int32_t part);
+
+/// Completes `around` of all ridges, ascending.
+void compareRidges(const FacetMesh& mesh, std::span<RidgeDepth> depths);
+
+/// Facets that lie in one plane, or nearly, share their claims by area: each becomes its part of the whole.
+void shareAreas(std::span<PartTouch> facets);
 
 }  // namespace granular

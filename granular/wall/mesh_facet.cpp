@@ -84,7 +84,7 @@ RimCheck checkRims(const FacetQuery& f, const FacetPart& part) {
     check.near = check.near || depth.near;
     // A facet that is not convex goes on beyond the line of its ridge.
     const Vec3& inwards = ridge.left == f.facet ? ridge.intoLeft : ridge.intoRight;
-    if (inwards.dot(part.middle - mesh.vertices[at(ridge.a)]) >= 0) check.least = std::min(check.least, depth.least);
+    if (inwards.dot(part.middle - mesh.vertices[at(ridge.a)]) >= 0) check.least = std::min(check.least, depth.around);
   }
   return check;
 }
@@ -150,6 +150,23 @@ const PartTouch* findPart(std::span<const PartTouch> touches, std::int32_t part)
   const auto found = std::lower_bound(touches.begin(), touches.end(), part,
                                       [](const PartTouch& touch, std::int32_t p) { return touch.part < p; });
   return found != touches.end() && found->part == part ? &*found : nullptr;
+}
+
+void shareAreas(std::span<PartTouch> facets) {
+  // Claims are read by every facet: scale them afterwards.
+  thread_local std::vector<double> sums;
+  sums.clear();
+  const auto areaOf = [](double claim, const PartTouch& touch) { return claim / touch.touch.overlap; };
+  for (const PartTouch& s : facets) {
+    double sum = areaOf(s.claim.full, s);
+    for (const PartTouch& t : facets)
+      if (&t != &s) sum += areaOf(t.claim.weight, t) * std::max(0.0, s.touch.normal.dot(t.touch.normal));
+    sums.push_back(sum);
+  }
+  for (std::size_t k = 0; k < facets.size(); ++k) {
+    facets[k].claim.full /= sums[k];
+    facets[k].claim.weight /= sums[k];
+  }
 }
 
 bool touchFacet(const MeshQuery& query, std::int32_t facet, std::span<const std::int32_t> triangles,

@@ -148,12 +148,20 @@ bool reachesRidge(const MeshQuery& query, const Aabb& bodyBox, const Ridge& ridg
   return first <= last;
 }
 
-/// How much of a contact with normal n is left to a lesser part beside the facets it borders.
+/// The part of a flat face that a contact with normal n may lie on, held by a larger part of the wall at an angle of
+/// this cosine to it: all within the angle at which the larger part lets go, nothing beyond some 8 degrees.
+double heldBy(const PartTouch& larger, double cosine) {
+  constexpr double beyond = 0.99;
+  const double same = std::clamp((cosine - beyond) / (fadeCosine - beyond), 0.0, 1.0);
+  return larger.broad ? same * larger.claim.weight / larger.claim.full : 0;
+}
+
+/// How much of a contact with normal n is left to a ridge, or its end, beside the facets it borders.
 double besideFacets(const MeshQuery& query, const Ridge& ridge, const Vec3& n, std::span<const PartTouch> facets) {
   double weight = 1;
   for (std::int32_t facet : {ridge.left, ridge.right}) {
     const PartTouch* touch = facet < 0 ? nullptr : findPart(facets, facet);
-    if (touch && touch->broad) weight = std::min(weight, 1 - flatWeight(n.dot(query.mesh.facets[at(facet)].normal)));
+    if (touch) weight = std::min(weight, 1 - heldBy(*touch, n.dot(query.mesh.facets[at(facet)].normal)));
   }
   return weight;
 }
@@ -206,7 +214,7 @@ SunkenPart measureStretch(const MeshQuery& query, const RidgeDepth& depth, Sunke
 
 RidgeDepth findRidgeDepth(const MeshQuery& query, const Aabb& bodyBox, std::int32_t number) {
   const Ridge& ridge = query.mesh.ridges[at(number)];
-  RidgeDepth best{number, 0, reachesRidge(query, bodyBox, ridge), false, Vec3::Zero(), 0, Vec3::Zero()};
+  RidgeDepth best{number, 0, 0, reachesRidge(query, bodyBox, ridge), false, Vec3::Zero(), 0, Vec3::Zero()};
   const NormalFan fan(query, ridge);
   const FanSample first = sampleFan(fan, 0), last = sampleFan(fan, fan.opening);
   best.least = std::min(first.depth, last.depth);
@@ -230,9 +238,25 @@ RidgeDepth findRidgeDepth(const MeshQuery& query, const Aabb& bodyBox, std::int3
   return best;
 }
 
+void compareRidges(const FacetMesh& mesh, std::span<RidgeDepth> depths) {
+  const auto before = [](const RidgeDepth& depth, std::int32_t ridge) { return depth.ridge < ridge; };
+  for (RidgeDepth& depth : depths) {
+    depth.around = depth.least;
+    const Ridge& ridge = mesh.ridges[at(depth.ridge)];
+    for (std::int32_t end : {ridge.cornerA, ridge.cornerB}) {
+      if (end < 0 || !mesh.corners[at(end)].convex) continue;
+      for (std::int32_t k = mesh.corners[at(end)].ridgeBegin; k < mesh.corners[at(end)].ridgeEnd; ++k) {
+        const auto rival = std::lower_bound(depths.begin(), depths.end(), mesh.cornerRidges[at(k)], before);
+        if (rival != depths.end() && rival->ridge == mesh.cornerRidges[at(k)])
+          depth.around = std::min(depth.around, rival->least);
+      }
+    }
+  }
+}
+
 bool touchRidge(const MeshQuery& query, const RidgeDepth& depth, std::span<const PartTouch> facets,
                 SunkenSurface& surface, PartTouch& out) {
-  const double leastWay = depth.found && depth.near ? leastWeight(depth.least, depth.overlap) : 0;
+  const double leastWay = depth.found && depth.near ? leastWeight(depth.around, depth.overlap) : 0;
   if (!(leastWay > 0)) return false;
 
   // The ridge itself must be inside the body, not only its line.
@@ -288,7 +312,7 @@ bool touchCorner(const MeshQuery& query, std::int32_t number, std::span<const Pa
     weight = std::min(weight, besideFacets(query, ridge, -normal, facets));
     const PartTouch* touch = findPart(ridges, r);
     const double sine = normal.dot(ridge.direction);
-    if (touch && touch->broad) weight = std::min(weight, 1 - flatWeight(std::sqrt(std::max(0.0, 1 - sine * sine))));
+    if (touch) weight = std::min(weight, 1 - heldBy(*touch, std::sqrt(std::max(0.0, 1 - sine * sine))));
   }
 
   WallTouch& touch = out.touch;

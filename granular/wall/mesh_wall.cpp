@@ -120,6 +120,7 @@ class MeshWall final : public Wall {
       if (touchFacet(query, facet, all.subspan(begin, end - begin), scratch.surface, touch))
         scratch.facetTouches.push_back(touch);
     }
+    shareAreas(scratch.facetTouches);
   }
 
   void findRidges(const MeshQuery& query, Scratch& scratch) const {
@@ -132,6 +133,7 @@ class MeshWall final : public Wall {
     keepUnique(scratch.ridges);
     const Aabb box = query.shape.bounds(Frame());
     for (std::int32_t ridge : scratch.ridges) scratch.ridgeDepths.push_back(findRidgeDepth(query, box, ridge));
+    compareRidges(mesh, scratch.ridgeDepths);
   }
 
   void touchRidges(const MeshQuery& query, Scratch& scratch) const {
