@@ -26,13 +26,21 @@ namespace granular {
 /// The depth of a body below the infinite line of a convex ridge. Normals point out of the wall.
 struct RidgeDepth {
   std::int32_t ridge;
-  double around;  ///< least of this and the ridges that meet it at convex corners, m
+  double around;  ///< least of this, its convex corners and the ridges that meet there, m
   double least;   ///< over all normals of the ridge's cone, m; not positive: apart
   bool near;      ///< the body's own box reaches the ridge
   bool found;     ///< there is a local minimum between the facets' normals; what follows describes the least of them
   Vec3 normal;
   double overlap;  ///< m
   Vec3 deepest;    ///< of the body, straight below the line, world axes
+};
+
+/// The depth of a corner's vertex below the body's surface, along a normal of the corner's cone (from the body
+/// outwards).
+struct CornerDepth {
+  std::int32_t corner;
+  double overlap;  ///< m, > 0
+  Vec3 normal;
 };
 
 /// A body against a mesh, the triangles that its bounds reach, and the convex ridges.
@@ -64,8 +72,10 @@ RidgeDepth findRidgeDepth(const MeshQuery& query, const Aabb& bodyBox, std::int3
 /// The contact with a convex ridge. facets: contacts found with facets, ascending.
 bool touchRidge(const MeshQuery& query, const RidgeDepth& depth, std::span<const PartTouch> facets,
                 SunkenSurface& surface, PartTouch& out);
+/// Finds the depth of a corner; false if its vertex is outside the body or the normal outside the corner's cone.
+bool findCornerDepth(const MeshQuery& query, std::int32_t corner, CornerDepth& out);
 /// The contact with a corner. ridges: contacts found with ridges, ascending.
-bool touchCorner(const MeshQuery& query, std::int32_t corner, std::span<const PartTouch> facets,
+bool touchCorner(const MeshQuery& query, const CornerDepth& depth, std::span<const PartTouch> facets,
                  std::span<const PartTouch> ridges, PartTouch& out);
 
 /// 1 for a contact that is the least way out, to nine tenths (far above round-off), falling to 0 at half its overlap.
@@ -75,7 +85,7 @@ inline double leastWeight(double least, double overlap) { return std::clamp((lea
 const PartTouch* findPart(std::span<const PartTouch> touches, std::int32_t part);
 
 /// Completes `around` of all ridges, ascending.
-void compareRidges(const FacetMesh& mesh, std::span<RidgeDepth> depths);
+void compareRidges(const FacetMesh& mesh, std::span<const CornerDepth> corners, std::span<RidgeDepth> depths);
 
 /// Facets that lie in one plane, or nearly, share their claims by area: each becomes its part of the whole.
 void shareAreas(std::span<PartTouch> facets);

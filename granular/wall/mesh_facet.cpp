@@ -193,7 +193,8 @@ bool touchFacet(const MeshQuery& query, std::int32_t facet, std::span<const std:
 
   // Is this facet the one that holds the body?
   double fade = leastWeight(rims.least, part.overlap);
-  if (!over) fade *= part.sunken.flatness();
+  // Beside the deepest point, only a flat face that is about as deep here as anywhere.
+  if (!over) fade *= part.sunken.flatness() * leastWeight(part.overlap, rims.least);
   if (!(fade > 0)) return false;
   if (leavesSolid(f, part.middle + plane.depth(part.middle) * plane.normal, part.overlap)) return false;
 

@@ -238,13 +238,16 @@ RidgeDepth findRidgeDepth(const MeshQuery& query, const Aabb& bodyBox, std::int3
   return best;
 }
 
-void compareRidges(const FacetMesh& mesh, std::span<RidgeDepth> depths) {
+void compareRidges(const FacetMesh& mesh, std::span<const CornerDepth> corners, std::span<RidgeDepth> depths) {
   const auto before = [](const RidgeDepth& depth, std::int32_t ridge) { return depth.ridge < ridge; };
   for (RidgeDepth& depth : depths) {
     depth.around = depth.least;
     const Ridge& ridge = mesh.ridges[at(depth.ridge)];
     for (std::int32_t end : {ridge.cornerA, ridge.cornerB}) {
       if (end < 0 || !mesh.corners[at(end)].convex) continue;
+      const auto corner = std::lower_bound(corners.begin(), corners.end(), end,
+                                           [](const CornerDepth& c, std::int32_t number) { return c.corner < number; });
+      if (corner != corners.end() && corner->corner == end) depth.around = std::min(depth.around, corner->overlap);
       for (std::int32_t k = mesh.corners[at(end)].ridgeBegin; k < mesh.corners[at(end)].ridgeEnd; ++k) {
         const auto rival = std::lower_bound(depths.begin(), depths.end(), mesh.cornerRidges[at(k)], before);
         if (rival != depths.end() && rival->ridge == mesh.cornerRidges[at(k)])
@@ -290,38 +293,42 @@ bool touchRidge(const MeshQuery& query, const RidgeDepth& depth, std::span<const
   return out.claim.weight > 0;
 }
 
-bool touchCorner(const MeshQuery& query, std::int32_t number, std::span<const PartTouch> facets,
-                 std::span<const PartTouch> ridges, PartTouch& out) {
+bool findCornerDepth(const MeshQuery& query, std::int32_t number, CornerDepth& out) {
   const FacetMesh& mesh = query.mesh;
   const Corner& corner = mesh.corners[at(number)];
   const Vec3& vertex = mesh.vertices[at(corner.vertex)];
   if ((vertex - query.frame.x).norm() >= query.shape.boundingRadius()) return false;
-  Vec3 normal;
-  const double overlap = findDepth(query, vertex, normal);
-  if (!(overlap > 0)) return false;
-
-  // The normal must lie within the corner's cone.
+  out.corner = number;
+  out.overlap = findDepth(query, vertex, out.normal);
+  if (!(out.overlap > 0)) return false;
   for (std::int32_t k = corner.spokeBegin; k < corner.spokeEnd; ++k)
-    if (mesh.spokes[at(k)].dot(normal) < -tolerance::certificate) return false;
+    if (mesh.spokes[at(k)].dot(out.normal) < -tolerance::certificate) return false;
+  return true;
+}
 
+bool touchCorner(const MeshQuery& query, const CornerDepth& depth, std::span<const PartTouch> facets,
+                 std::span<const PartTouch> ridges, PartTouch& out) {
   // Facets and ridges that hold the same face leave nothing to their ends.
+  const FacetMesh& mesh = query.mesh;
+  const Corner& corner = mesh.corners[at(depth.corner)];
   double weight = 1;
   for (std::int32_t k = corner.ridgeBegin; k < corner.ridgeEnd; ++k) {
     const std::int32_t r = mesh.cornerRidges[at(k)];
     const Ridge& ridge = mesh.ridges[at(r)];
-    weight = std::min(weight, besideFacets(query, ridge, -normal, facets));
+    weight = std::min(weight, besideFacets(query, ridge, -depth.normal, facets));
     const PartTouch* touch = findPart(ridges, r);
-    const double sine = normal.dot(ridge.direction);
+    const double sine = depth.normal.dot(ridge.direction);
     if (touch) weight = std::min(weight, 1 - heldBy(*touch, std::sqrt(std::max(0.0, 1 - sine * sine))));
   }
 
   WallTouch& touch = out.touch;
-  touch.normal = normal;
-  touch.overlap = overlap;
-  placePoint(vertex + 0.5 * overlap * normal, perpendicular(normal), touch.patch);
-  out.part = number;
+  touch.normal = depth.normal;
+  touch.overlap = depth.overlap;
+  placePoint(mesh.vertices[at(corner.vertex)] + 0.5 * depth.overlap * depth.normal, perpendicular(depth.normal),
+             touch.patch);
+  out.part = depth.corner;
   out.broad = false;
-  out.claim = {overlap * weight, overlap};
+  out.claim = {depth.overlap * weight, depth.overlap};
   return weight > 0;
 }
 

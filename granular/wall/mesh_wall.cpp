@@ -20,6 +20,7 @@ constexpr double reach = 0.1;
 struct Scratch {
   std::vector<std::int32_t> triangles, ridges, corners;
   std::vector<RidgeDepth> ridgeDepths;
+  std::vector<CornerDepth> cornerDepths;
   std::vector<PartTouch> facetTouches, ridgeTouches, cornerTouches;
   std::vector<Claim> claims;
   SunkenSurface surface;
@@ -44,7 +45,7 @@ class MeshWall final : public Wall {
     tree.findOverlapping(shape.bounds(frame).grown(reach * shape.boundingRadius()), scratch.triangles);
     if (scratch.triangles.empty()) return;
     MeshQuery query{mesh, shape, frame, rule, scratch.triangles, {}};
-    findRidges(query, scratch);
+    findDepths(query, scratch);
     query.ridges = scratch.ridgeDepths;
     touchFacets(query, scratch);
     touchRidges(query, scratch);
@@ -123,17 +124,27 @@ class MeshWall final : public Wall {
     shareAreas(scratch.facetTouches);
   }
 
-  void findRidges(const MeshQuery& query, Scratch& scratch) const {
+  void findDepths(const MeshQuery& query, Scratch& scratch) const {
     scratch.ridges.clear();
-    scratch.ridgeDepths.clear();
+    scratch.corners.clear();
     for (std::int32_t t : query.triangles)
-      for (std::int32_t ridge : mesh.triangleRidges[at(t)])
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::int32_t ridge = mesh.triangleRidges[at(t)][k], corner = mesh.triangleCorners[at(t)][k];
         if (ridge >= 0 && mesh.ridges[at(ridge)].convex) scratch.ridges.push_back(ridge);
-    if (scratch.ridges.empty()) return;
+        if (corner >= 0) scratch.corners.push_back(corner);
+      }
     keepUnique(scratch.ridges);
+    keepUnique(scratch.corners);
+
+    scratch.cornerDepths.clear();
+    CornerDepth depth;
+    for (std::int32_t corner : scratch.corners)
+      if (findCornerDepth(query, corner, depth)) scratch.cornerDepths.push_back(depth);
+    scratch.ridgeDepths.clear();
+    if (scratch.ridges.empty()) return;
     const Aabb box = query.shape.bounds(Frame());
     for (std::int32_t ridge : scratch.ridges) scratch.ridgeDepths.push_back(findRidgeDepth(query, box, ridge));
-    compareRidges(mesh, scratch.ridgeDepths);
+    compareRidges(mesh, scratch.cornerDepths, scratch.ridgeDepths);
   }
 
   void touchRidges(const MeshQuery& query, Scratch& scratch) const {
@@ -145,15 +156,10 @@ class MeshWall final : public Wall {
   }
 
   void touchCorners(const MeshQuery& query, Scratch& scratch) const {
-    scratch.corners.clear();
     scratch.cornerTouches.clear();
-    for (std::int32_t t : query.triangles)
-      for (std::int32_t corner : mesh.triangleCorners[at(t)])
-        if (corner >= 0) scratch.corners.push_back(corner);
-    keepUnique(scratch.corners);
-    for (std::int32_t corner : scratch.corners) {
+    for (const CornerDepth& depth : scratch.cornerDepths) {
       PartTouch touch;
-      if (touchCorner(query, corner, scratch.facetTouches, scratch.ridgeTouches, touch))
+      if (touchCorner(query, depth, scratch.facetTouches, scratch.ridgeTouches, touch))
         scratch.cornerTouches.push_back(touch);
     }
   }
