@@ -41,8 +41,9 @@ Compliance complianceOf(const Shape& shape) {
     result.worst = std::max(result.worst, g);
     result.mean += g / samples;
   }
-  // A patch rocks with the second moment of its area: at most a quarter of a disc's radius squared, about the softest axis.
-  const double rocking = 0.25 * unit.meanSquareRadius / unit.inertia.minCoeff();
+  // A patch rocks about an axis with the second moment of its area, k <s^2>/I. For a cube on its face that is half of 1/m, and
+  // slender bodies keep the ratio: both s and I are measured across the axis.
+  const double rocking = 0.5 / unit.volume;
   result.mean += rocking;
   result.worst = std::max(result.worst, 1 / unit.volume + 2 * rocking);
   return result;
