@@ -107,7 +107,7 @@ int main(int argc, char** argv) {
   app.add_option("--resume", options.resume, "go on from the newest checkpoint of this folder");
   app.add_option("--threads", threads, "threads; 0: all cores (the result does not depend on it)");
   app.add_option("--seed", seed, "seed of all random numbers");
-  app.add_option("--set", options.overrides, "key.path=value, over the scene file; may be repeated")->allow_extra_args(false);
+  app.add_option("--set", options.overrides, "key.path=value, over the scene file (\"key.path=\" takes the key out); may be repeated")->allow_extra_args(false);
   app.add_option("--skip", skips, "what to skip: all, none, or names (broad_phase,gjk,epa,sleep)")->delimiter(',');
   app.add_flag("--dry-run", options.dryRun, "check the scene and say what would be done");
   app.add_flag("--help-scene", options.reference, "print every key of a scene file and exit");

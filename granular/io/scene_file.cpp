@@ -95,6 +95,13 @@ void applyOverride(toml::table& root, const std::string& given, Problems& proble
 
   toml::node* parent = &root;
   for (std::size_t k = 0; k + 1 < parts.size(); ++k) parent = enterChild(*parent, parts[k], given);
+  if (equals + 1 == given.size()) {
+    // Nothing behind the sign: the key is taken out, as when another kind has no use for it.
+    toml::table* table = parent->as_table();
+    if (!table || table->erase(parts.back()) == 0)
+      throw InputError(fmt::format("--set {}: there is no such key to take out", given));
+    return;
+  }
   toml::table value = parseOverrideValue(given.substr(equals + 1));
   const toml::node& node = *value.get("value");
   if (toml::table* table = parent->as_table()) {

@@ -3,7 +3,8 @@
 //
 // Numbers are SI, or strings with a unit ("25 mm"), or expressions ("= 1.5 mm * aspect_ratio") of the scene's own
 // [parameters]. Overrides "key.path=value" (array elements by number: particles.0.count=100) change the file's content
-// before it is checked; a path of one word that names a parameter sets it.
+// before it is checked; a path of one word that names a parameter sets it, and nothing behind the sign
+// takes the key out.
 #pragma once
 
 #include <iosfwd>

@@ -8,6 +8,7 @@
 
 #include "granular/pair/contact.h"
 #include "granular/pair/history.h"
+#include "granular/pair/manifold.h"
 #include "granular/pair/warm_cache.h"
 
 namespace granular {
@@ -38,11 +39,18 @@ struct WallPair {
   std::vector<Contact> held;        ///< the contacts of a body at rest
 };
 
+/// What the `manifold` rule remembers of a pair.
+struct ManifoldMemory {
+  Manifold manifold;
+  std::vector<SpotHistory> spots;  ///< of the contacts of the last step, by spot
+};
+
 /// Memory of pairs, one slot each; freed slots are used again.
 struct PairMemory {
   std::vector<WarmCache> cache;
   std::vector<ContactHistory> history;
   std::vector<Contact> held;  ///< the last contact of a pair at rest (a < 0: none); empty unless bodies sleep
+  std::vector<ManifoldMemory> manifolds;  ///< empty unless the rule is `manifold`
   std::vector<std::int32_t> free;
 
   std::int32_t take() {
@@ -55,6 +63,7 @@ struct PairMemory {
     free.pop_back();
     cache[static_cast<std::size_t>(slot)] = WarmCache{};
     history[static_cast<std::size_t>(slot)] = ContactHistory{};
+    if (static_cast<std::size_t>(slot) < manifolds.size()) manifolds[static_cast<std::size_t>(slot)] = ManifoldMemory{};
     if (static_cast<std::size_t>(slot) < held.size()) held[static_cast<std::size_t>(slot)].a = -1;
     return slot;
   }

@@ -104,7 +104,7 @@ RunResult writeReport(const PackingRun& run, RunEnd end, int threads, const std:
   result.solidOverall = findQuantity(analysis, "solid_fraction_overall");
   result.solidNearWall = findQuantity(analysis, "solid_fraction_near_wall");
   result.solidCore = findQuantity(analysis, "solid_fraction_core");
-  result.fillingHeight = findQuantity(analysis, "filling_height");
+  result.fillingHeight = findQuantity(analysis, "filling_height_m");
   result.coordination = findQuantity(analysis, "coordination_number");
   result.quantities = analysis.quantities;
   result.notes.insert(result.notes.end(), analysis.notes.begin(), analysis.notes.end());

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 
-#include "granular/mesh/rock.h"
+#include "granular/core/errors.h"
+#include "granular/mesh/import.h"
 
 namespace granular {
 namespace {
@@ -48,6 +49,9 @@ WorldOptions makeOptions(const Scene& scene) {
   options.skips.separation = skips(scene, "gjk");
   options.skips.feature = skips(scene, "epa");
   options.sleep.on = scene.settle.kind == SettleSettings::Kind::sleep && skips(scene, "sleep");
+  require(!options.sleep.on || options.rule.rule != PointRule::manifold,
+          scene.file.string() + ": settle.kind = \"sleep\" does not go with model.point_rule = \"manifold\", which keeps several "
+                                "contacts per pair: choose none or freeze, or another rule");
   options.sleep.energy = scene.settle.energy;
   options.sleep.balance = scene.settle.balance;
   options.sleep.time = scene.settle.time;

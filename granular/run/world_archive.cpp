@@ -67,6 +67,45 @@ void visitContacts(Archive& archive, std::vector<Contact>& rows) {
   visitField<Vec3>(archive, "torque_b", rows, [](Contact& c) -> auto& { return c.torqueB; });
 }
 
+/// Lists of spots per row: how many each has, then all in one column.
+template <class Row>
+void visitSpots(Archive& archive, std::vector<Row>& rows) {
+  std::vector<std::int32_t> counts, spots;
+  std::vector<ContactHistory> histories;
+  for (const Row& row : rows) {
+    counts.push_back(static_cast<std::int32_t>(row.spots.size()));
+    for (const SpotHistory& spot : row.spots) {
+      spots.push_back(spot.spot);
+      histories.push_back(spot.history);
+    }
+  }
+  archive.visit("spot_count", counts);
+  archive.visit("spot", spots);
+  visitHistory(archive, histories);
+  if (!archive.loading()) return;
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    for (std::int32_t n = 0; n < counts[k]; ++n, ++next) rows[k].spots.push_back({spots[next], histories[next]});
+  }
+}
+
+void visitManifolds(Archive& archive, std::vector<ManifoldMemory>& rows) {
+  visitCount(archive, rows);
+  visitField<std::int32_t>(archive, "points", rows, [](ManifoldMemory& m) -> auto& { return m.manifold.count; });
+  visitField<std::int32_t>(archive, "next_spot", rows, [](ManifoldMemory& m) -> auto& { return m.manifold.nextSpot; });
+  for (std::size_t k = 0; k < 4; ++k) {
+    archive.inGroup("point_" + std::to_string(k), [&] {
+      visitField<Vec3>(archive, "on_a", rows, [k](ManifoldMemory& m) -> auto& { return m.manifold.points[k].onA; });
+      visitField<Vec3>(archive, "on_b", rows, [k](ManifoldMemory& m) -> auto& { return m.manifold.points[k].onB; });
+      visitField<Vec3>(archive, "normal", rows, [k](ManifoldMemory& m) -> auto& { return m.manifold.points[k].normal; });
+      visitField<double>(archive, "overlap", rows, [k](ManifoldMemory& m) -> auto& { return m.manifold.points[k].overlap; });
+      visitField<std::int32_t>(archive, "spot", rows, [k](ManifoldMemory& m) -> auto& { return m.manifold.points[k].spot; });
+      visitField<std::int32_t>(archive, "age", rows, [k](ManifoldMemory& m) -> auto& { return m.manifold.points[k].age; });
+    });
+  }
+  visitSpots(archive, rows);
+}
+
 void visitPairs(Archive& archive, PairList& list) {
   archive.inGroup("pairs", [&] {
     archive.visitMember("a", list.pairs, &Pair::a, {"", "slot of the body of lower id"});
@@ -86,6 +125,7 @@ void visitPairs(Archive& archive, PairList& list) {
     archive.visitMember("budget", memory.cache, &WarmCache::budget, {"m", ""});
     archive.visit("free", memory.free);
     archive.inGroup("held", [&] { visitContacts(archive, memory.held); });
+    archive.inGroup("manifolds", [&] { visitManifolds(archive, memory.manifolds); });
   });
 }
 
@@ -96,29 +136,21 @@ void visitWallPairs(Archive& archive, std::vector<WallPair>& pairs) {
     visitField<std::int32_t>(archive, "wall", pairs, [](WallPair& p) -> auto& { return p.wall; });
     visitField<double>(archive, "quiet_until", pairs, [](WallPair& p) -> auto& { return p.quietUntil; });
 
-    // Lists of lists: how many each has, then all in one column.
-    std::vector<std::int32_t> spotCount, heldCount, spots;
-    std::vector<ContactHistory> histories;
+    visitSpots(archive, pairs);
+
+    // Contacts of bodies at rest: how many each pair has, then all in one list.
+    std::vector<std::int32_t> heldCount;
     std::vector<Contact> held;
     for (const WallPair& pair : pairs) {
-      spotCount.push_back(static_cast<std::int32_t>(pair.spots.size()));
       heldCount.push_back(static_cast<std::int32_t>(pair.held.size()));
-      for (const SpotHistory& spot : pair.spots) {
-        spots.push_back(spot.spot);
-        histories.push_back(spot.history);
-      }
       held.insert(held.end(), pair.held.begin(), pair.held.end());
     }
-    archive.visit("spot_count", spotCount);
     archive.visit("held_count", heldCount);
-    archive.visit("spot", spots);
-    visitHistory(archive, histories);
     archive.inGroup("held", [&] { visitContacts(archive, held); });
     if (!archive.loading()) return;
-    std::size_t spot = 0, contact = 0;
+    std::size_t next = 0;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
-      for (std::int32_t n = 0; n < spotCount[k]; ++n, ++spot) pairs[k].spots.push_back({spots[spot], histories[spot]});
-      for (std::int32_t n = 0; n < heldCount[k]; ++n) pairs[k].held.push_back(held[contact++]);
+      for (std::int32_t n = 0; n < heldCount[k]; ++n) pairs[k].held.push_back(held[next++]);
     }
   });
 }
@@ -185,6 +217,7 @@ void describe(Archive& archive, PourState& state) {
   archive.visit("calls", state.calls);
   archive.visit("attempts", state.attempts);
   archive.visit("postponed", state.postponed);
+  archive.visit("next_time", state.nextTime, {"s", ""});
 }
 
 void describe(Archive& archive, RunProgress& progress) {

@@ -1,6 +1,7 @@
 // Stages of a step that make the contacts: pairs, touches, points, forces.
 #include <algorithm>
 
+#include "granular/narrow/bullet_manifold.h"
 #include "granular/world/stages.h"
 
 namespace granular {
@@ -150,14 +151,29 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
                  chunk.counts, touch)) {
     pair.quietUntil = travel + cache.budget;
     world.pairs.memory.history[at(pair.slot)] = ContactHistory{};
+    if (at(pair.slot) < world.pairs.memory.manifolds.size()) world.pairs.memory.manifolds[at(pair.slot)] = ManifoldMemory{};
     return;
   }
-  Contact& contact = chunk.contacts.emplace_back();
-  contact.pair = index;
-  contact.a = pair.a;
-  contact.b = pair.b;
-  contact.shift = shift;
-  contact.touch = touch;
+  // One contact, or several of a manifold.
+  std::array<ManifoldContact, 4> several;
+  int count = 1;
+  if (world.options.rule.rule == PointRule::manifold) {
+    count = refreshManifold(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB, touch,
+                            world.pairs.memory.manifolds[at(pair.slot)].manifold, several);
+  } else {
+    several[0] = {touch, 0, 1};
+  }
+  for (int k = 0; k < count; ++k) {
+    const ManifoldContact& found = several[static_cast<std::size_t>(k)];
+    Contact& contact = chunk.contacts.emplace_back();
+    contact.pair = index;
+    contact.a = pair.a;
+    contact.b = pair.b;
+    contact.spot = found.spot;
+    contact.share = found.share;
+    contact.shift = shift;
+    contact.touch = found.touch;
+  }
   noteDepth(chunk, touch.overlap, std::min(bodies.shape[a]->size(), bodies.shape[b]->size()));
 }
 
@@ -225,6 +241,9 @@ void refreshPairs(double dt, World& world) {
 }
 
 void layOutContacts(World& world) {
+  if (world.options.rule.rule == PointRule::manifold) {
+    world.pairs.memory.manifolds.resize(world.pairs.memory.cache.size());
+  }
   listActivePairs(world);
   listIncidence(world);
   sumHeldForces(world);
@@ -260,6 +279,9 @@ void findContacts(World& world) {
 
 void placeContactPoints(World& world) {
   const Bodies& bodies = world.bodies;
+  // The points of a manifold are where they were found.
+  RuleOptions rule = world.options.rule;
+  if (rule.rule == PointRule::manifold) rule.rule = PointRule::witness;
   const auto chunks = static_cast<std::int64_t>(world.wallChunkBegin);
 #pragma omp parallel for schedule(dynamic, 4)
   for (std::int64_t c = 0; c < chunks; ++c) {
@@ -268,7 +290,7 @@ void placeContactPoints(World& world) {
       const std::size_t b = at(contact.b);
       Frame frameB = bodies.frame[b];
       frameB.x += contact.shift;
-      placeContact(world.options.rule, *bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB, contact.touch,
+      placeContact(rule, *bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB, contact.touch,
                    contact.patch);
     }
   }
@@ -289,6 +311,7 @@ void applyForceLaws(double dt, World& world) {
     }
     return body;
   };
+  const bool severalPerPair = world.options.rule.rule == PointRule::manifold;
   const auto chunks = static_cast<std::int64_t>(world.chunks.size());
 #pragma omp parallel for schedule(dynamic, 4)
   for (std::int64_t c = 0; c < chunks; ++c) {
@@ -338,8 +361,9 @@ void applyForceLaws(double dt, World& world) {
 
       // History of the contact.
       ContactHistory* history = nullptr;
-      if (atWalls) {
-        auto& spots = world.pairs.wallPairs[at(contact.pair)].spots;
+      if (atWalls || severalPerPair) {
+        auto& spots = atWalls ? world.pairs.wallPairs[at(contact.pair)].spots
+                              : world.pairs.memory.manifolds[at(world.pairs.pairs[at(contact.pair)].slot)].spots;
         if (k == 0 || chunk.contacts[k - 1].pair != contact.pair) {
           firstOfPair = k;
           matchSpots(spots, chunk.contacts, k);
