@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "granular/core/errors.h"
+#include "granular/narrow/narrow.h"
 #include "wall/wall_samples.h"
 
 namespace granular {
@@ -167,6 +168,41 @@ TEST(MeshWall, RoomOfTwelveTrianglesHoldsLikeSixPlanes) {
       }
     }
   EXPECT_GT(several, 300);
+}
+
+TEST(MeshWall, BoxOfTrianglesHoldsABodyLikeTheSolidBox) {
+  // The whole force against that of the pair of convex bodies: faces, edges and corners, all by chance.
+  const Vec3 h(0.004, 0.003, 0.002);
+  const auto wall = makeMeshWall(box(h, false), "block");
+  const Cuboid solid(h);
+  Random random(5);
+  const auto all = bodies();
+  int count = 0, close = 0;
+  for (int trial = 0; trial < 1200; ++trial) {
+    const Shape& body = *all[random.below(all.size())];
+    Frame frame(random.rotation().toRotationMatrix(), Vec3::Zero());
+    const Vec3 direction = random.direction();
+    const double wanted = body.size() * std::pow(10, random.uniform(-5, -2));
+    const auto overlapAt = [&](double distance, Touch& touch) {
+      frame.x = distance * direction;
+      WarmCache cache;
+      NarrowCounts counts;
+      return findTouch(body, frame, solid, Frame(), true, cache, counts, touch) ? touch.overlap : 0.0;
+    };
+    double lo = 0, hi = 0.012;
+    Touch touch;
+    for (int k = 0; k < 40; ++k) (overlapAt(0.5 * (lo + hi), touch) > wanted ? lo : hi) = 0.5 * (lo + hi);
+    const double overlap = overlapAt(lo, touch);
+    if (!(overlap > 0 && overlap < 1.01 * wanted)) continue;
+    ++count;
+    const Wrench wrench = wrenchOf(touchesOf(*wall, body, frame), frame.x);
+    const double error = (wrench.force + overlap * touch.normal).norm() / overlap;
+    EXPECT_LT(error, 0.3) << body.describe() << " trial " << trial;
+    close += error < 0.01;
+  }
+  // Where two parts share a contact, near the end of a ridge, the force may differ by part of itself.
+  EXPECT_GT(count, 1000);
+  EXPECT_GT(close, 0.99 * count);
 }
 
 TEST(MeshWall, SphereOnARidgeAndACornerTouchesAtTheNearestPoint) {

@@ -1,12 +1,11 @@
+#include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <gtest/gtest.h>
 
 #include <map>
 
 #include "granular/core/errors.h"
-#include "granular/core/random.h"
-#include "granular/shape/polyhedron.h"
-#include "granular/shape/sphere.h"
-#include "granular/wall/wall.h"
+#include "granular/shape/bullet_convex.h"
+#include "wall/wall_samples.h"
 
 namespace granular {
 namespace {
@@ -169,6 +168,143 @@ TEST(VesselWall, SpotsKeepTheirNamesUnderSmallRotations) {
       EXPECT_EQ(before[k].spot, after[k].spot);
       EXPECT_LT((before[k].patch.point - after[k].patch.point).norm(), 1e-11);
     }
+  }
+}
+
+TEST(VesselWall, RoundBodiesTouchWhereTheyReachFurthest) {
+  // The largest overlap against a dense sampling, and every spot a stationary point of the distance on the surface.
+  Random random(15);
+  for (const auto& body : sample::bodies()) {
+    const TriangleMesh surface = body->surface(400);
+    for (int trial = 0; trial < 60; ++trial) {
+      const Frame frame = pushOut(*body, random.rotation(), random.uniform(0, 2 * pi), 1e-5);
+      const auto touches = touchVessel(*body, frame);
+      ASSERT_FALSE(touches.empty());
+      expectSound(touches);
+      double sampled = 0, largest = 0;
+      for (const Vec3& p : surface.vertices) sampled = std::max(sampled, distanceFromAxis(frame.toWorld(p)) - radius);
+      for (const WallTouch& touch : touches) {
+        largest = std::max(largest, touch.overlap);
+        // The body's support along the normal is the touching point, unless a longer vertex lies elsewhere.
+        const Vec3 p = touch.patch.point + 0.5 * touch.overlap * touch.normal;
+        EXPECT_TRUE(body->contains(frame.toBody(p - 1e-9 * (p - frame.x)))) << body->describe();
+      }
+      EXPECT_GE(largest, sampled - 1e-15) << body->describe();
+      EXPECT_LT(largest, sampled + 1e-6) << body->describe();
+    }
+  }
+}
+
+TEST(VesselWall, LongEllipsoidLyingAlongTheWallTouchesAtBothEnds) {
+  // a^2/b = 16 mm > R = 10 mm: two points, where sin t = c b / (a^2 - b^2).
+  const double a = 0.004, b = 0.001, R = 0.01;
+  const Ellipsoid egg(Vec3(a, b, b));
+  const auto touchAt = [&](double c) {
+    return touchVessel(egg, Frame(Mat3::Identity(), Vec3(axis.x(), axis.y() + c, 0)), R);
+  };
+  const double c = 0.00905, sine = c * b / (a * a - b * b);
+  const auto touches = touchAt(c);
+  ASSERT_EQ(touches.size(), 2u);
+  const double x = a * std::sqrt(1 - sine * sine), y = c + b * sine;
+  EXPECT_NEAR(touches[0].overlap, std::hypot(x, y) - R, 1e-16);
+  EXPECT_NEAR(touches[1].overlap, touches[0].overlap, 1e-16);
+  EXPECT_EQ(touches[0].spot, 1);
+  EXPECT_EQ(touches[1].spot, 2);
+  EXPECT_GT(touches[0].normal.x(), 0);
+  EXPECT_NEAR(touches[0].share, 1 / (1 + touches[0].normal.dot(touches[1].normal)), 1e-12);
+  // In a vessel wider than its flattest curvature it touches once.
+  EXPECT_EQ(touchVessel(egg, Frame(Mat3::Identity(), Vec3(axis.x(), axis.y() + 0.016 + 1e-5, 0)), 0.017).size(), 1u);
+}
+
+TEST(VesselWall, ForceOfARollingEllipsoidIsContinuousFromOneSpotToTwo) {
+  // Turned about the radius, a long ellipsoid passes from one touching point (upright) to two (lying).
+  const Ellipsoid egg(Vec3(0.001, 0.001, 0.004));
+  const double R = 0.01;
+  std::vector<WallTouch> touches;
+  const auto wall = makeCylinderWall(axis, R);
+  Vec3 last = Vec3::Zero();
+  std::size_t most = 0;
+  const int steps = 30000;
+  for (int k = 0; k <= steps; ++k) {
+    const double angle = pi * k / steps;
+    const Mat3 turn =
+        (Eigen::AngleAxisd(angle, Vec3(1, 0.0005, 0.001).normalized()) * Quat::Identity()).toRotationMatrix();
+    touches.clear();
+    wall->touch(RuleOptions{}, egg, Frame(turn, Vec3(axis.x() + R - 0.001 + 2e-5, axis.y(), 0)), touches);
+    most = std::max(most, touches.size());
+    const Vec3 force = totalForce(touches);
+    if (k > 0) {
+      EXPECT_LT((force - last).norm(), 3 * 0.004 * pi / steps) << angle;
+    }
+    last = force;
+  }
+  EXPECT_EQ(most, 2u);
+}
+
+TEST(VesselWall, CylindersTouchWithTheirRims) {
+  const Cylinder cylinder(0.0015, 0.004);
+  const double c = radius + 1e-6;
+  // Upright: one azimuth, top and bottom.
+  auto touches = touchVessel(cylinder, Frame(Mat3::Identity(), Vec3(axis.x() + c - 0.0015, axis.y(), 0)));
+  ASSERT_EQ(touches.size(), 2u);
+  expectSound(touches);
+  for (const WallTouch& touch : touches) {
+    EXPECT_NEAR(touch.overlap, 1e-6, 1e-16);
+    EXPECT_NEAR(touch.share, 0.5, 1e-12);
+  }
+  EXPECT_NEAR(touches[0].patch.point.z(), -0.002, 1e-15);
+  EXPECT_NEAR(touches[1].patch.point.z(), 0.002, 1e-15);
+  // Lying with a cap towards the wall: the two ends of the level diameter of that cap.
+  const Mat3 radial = Eigen::AngleAxisd(pi / 2, Vec3::UnitY()).toRotationMatrix();
+  touches =
+      touchVessel(cylinder, Frame(radial, Vec3(axis.x() + std::sqrt(c * c - 0.0015 * 0.0015) - 0.002, axis.y(), 0)));
+  ASSERT_EQ(touches.size(), 2u);
+  for (const WallTouch& touch : touches) EXPECT_NEAR(touch.overlap, 1e-6, 1e-15);
+  EXPECT_NEAR((touches[0].patch.point - touches[1].patch.point).norm(), 0.003, 1e-6);
+  // Lying along the wall: each cap with the outer end of its level diameter.
+  const Mat3 tangential = Eigen::AngleAxisd(pi / 2, Vec3::UnitX()).toRotationMatrix();
+  const double reach = std::sqrt(c * c - 0.002 * 0.002);
+  touches = touchVessel(cylinder, Frame(tangential, Vec3(axis.x() + reach - 0.0015, axis.y(), 0)));
+  ASSERT_EQ(touches.size(), 2u);
+  for (const WallTouch& touch : touches) EXPECT_NEAR(touch.overlap, 1e-6, 1e-15);
+  EXPECT_NEAR((touches[0].patch.point - touches[1].patch.point).norm(), 0.004, 1e-6);
+}
+
+TEST(VesselWall, ConesTouchWithApexAndRim) {
+  const Cone cone(0.0015, 0.003);
+  const Mat3 outwards = Eigen::AngleAxisd(pi / 2, Vec3::UnitY()).toRotationMatrix();
+  const auto touches = touchVessel(cone, Frame(outwards, Vec3(axis.x() + radius + 1e-6 - cone.apexZ(), axis.y(), 0)));
+  ASSERT_EQ(touches.size(), 1u);
+  EXPECT_EQ(touches[0].spot, 0);
+  EXPECT_NEAR(touches[0].overlap, 1e-6, 1e-16);
+}
+
+TEST(VesselWall, ShapesKnownByTheirSupportAloneTouchLikeTheirKernels) {
+  // A box of Bullet's against the cuboid.
+  const auto shape = std::make_shared<btBoxShape>(btVector3(1.5, 1, 2));
+  shape->setMargin(0);
+  Frame principal;
+  const BulletConvex box(shape, 1e-3, &principal);
+  const Cuboid cuboid(Vec3(0.0015, 0.001, 0.002));
+  Random random(21);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Quat q = random.rotation();
+    const Frame frame = pushOut(cuboid, q, random.uniform(0, 2 * pi), 1e-5);
+    const auto expected = touchVessel(cuboid, frame);
+    const auto got = touchVessel(box, Frame(frame.R * principal.R, frame.toWorld(principal.x)));
+    expectSound(got);
+    // It sees the local maxima alone: every spot is one of the corners, the deepest among them.
+    ASSERT_FALSE(got.empty());
+    double deepest = 0, found = 0;
+    for (const WallTouch& touch : expected) deepest = std::max(deepest, touch.overlap);
+    for (const WallTouch& touch : got) {
+      found = std::max(found, touch.overlap);
+      const bool known = std::any_of(expected.begin(), expected.end(), [&](const WallTouch& t) {
+        return (t.patch.point - touch.patch.point).norm() < 1e-9;
+      });
+      EXPECT_TRUE(known);
+    }
+    EXPECT_NEAR(found, deepest, 1e-12);
   }
 }
 
