@@ -20,14 +20,14 @@ using namespace granular;
 
 struct Settings {
   std::string scene = "cubes";
-  std::string poses;       ///< file of packed cubes
+  std::string poses;  ///< file of packed cubes
   std::string rule = "patch";
   std::string skip = "all";
   std::string json;
   int threads = 1;
-  int relax = 2000;        ///< steps before the clock starts
-  int steps = 2000;        ///< steps timed
-  double dt = 2e-6;        ///< s
+  int relax = 2000;  ///< steps before the clock starts
+  int steps = 2000;  ///< steps timed
+  double dt = 2e-6;  ///< s
 };
 
 /// Packed cubes in an open box, as the pose file has them: "# n base side", then x y z qw qx qy qz.

@@ -1,7 +1,5 @@
 // Pours a packing from a scene file, lets it come to rest, measures it.
 #include <omp.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
@@ -16,8 +14,7 @@
 #include "granular/io/scene_file.h"
 #include "granular/run/packing_report.h"
 #include "granular/run/packing_run.h"
-
-extern char** environ;
+#include "run_program.h"
 
 namespace {
 
@@ -34,17 +31,6 @@ struct Options {
   bool dryRun = false, reference = false;
 };
 
-// Runs a program and waits; true if it ended with 0.
-bool runProgram(const std::vector<std::string>& words) {
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  pid_t process = 0;
-  if (::posix_spawnp(&process, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) return false;
-  int status = 0;
-  return ::waitpid(process, &status, 0) == process && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
-
 // Plots and picture are drawn from the written data; without the tools the data stand.
 void draw(const granular::OutputSettings& output, const fs::path& out) {
   std::fflush(stdout);
@@ -55,10 +41,14 @@ void draw(const granular::OutputSettings& output, const fs::path& out) {
 
 int exitOf(granular::RunEnd end) {
   switch (end) {
-    case granular::RunEnd::rested: return exitRested;
-    case granular::RunEnd::trouble: return exitTrouble;
-    case granular::RunEnd::interrupted: return exitInterrupted;
-    default: return exitNotRested;
+    case granular::RunEnd::rested:
+      return exitRested;
+    case granular::RunEnd::trouble:
+      return exitTrouble;
+    case granular::RunEnd::interrupted:
+      return exitInterrupted;
+    default:
+      return exitNotRested;
   }
 }
 
@@ -107,7 +97,9 @@ int main(int argc, char** argv) {
   app.add_option("--resume", options.resume, "go on from the newest checkpoint of this folder");
   app.add_option("--threads", threads, "threads; 0: all cores (the result does not depend on it)");
   app.add_option("--seed", seed, "seed of all random numbers");
-  app.add_option("--set", options.overrides, "key.path=value, over the scene file (\"key.path=\" takes the key out); may be repeated")->allow_extra_args(false);
+  app.add_option("--set", options.overrides,
+                 "key.path=value, over the scene file (\"key.path=\" takes the key out); may be repeated")
+      ->allow_extra_args(false);
   app.add_option("--skip", skips, "what to skip: all, none, or names (broad_phase,gjk,epa,sleep)")->delimiter(',');
   app.add_flag("--dry-run", options.dryRun, "check the scene and say what would be done");
   app.add_flag("--help-scene", options.reference, "print every key of a scene file and exit");
@@ -125,8 +117,10 @@ int main(int argc, char** argv) {
       granular::printSceneReference(std::cout);
       return 0;
     }
-    granular::require(!options.scene.empty() != !options.resume.empty(), "give a scene file, or --resume with a folder");
-    granular::require(!options.out.empty() || options.dryRun || !options.resume.empty(), "--out: where do the results go?");
+    granular::require(!options.scene.empty() != !options.resume.empty(),
+                      "give a scene file, or --resume with a folder");
+    granular::require(!options.out.empty() || options.dryRun || !options.resume.empty(),
+                      "--out: where do the results go?");
     return run(options);
   } catch (const granular::InputError& error) {
     std::fprintf(stderr, "packing: %s\n", error.what());

@@ -1,9 +1,6 @@
 // Reads a scanned mesh, reports what was found, repaired and measured, and shows mesh and hull side by side.
 #include "granular/mesh/rock.h"
 
-#include <spawn.h>
-#include <sys/wait.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -11,8 +8,7 @@
 
 #include "granular/core/errors.h"
 #include "granular/mesh/mesh_file.h"
-
-extern char** environ;
+#include "run_program.h"
 
 namespace {
 
@@ -21,17 +17,6 @@ void writeText(const std::filesystem::path& path, const std::string& text) {
   out << text;
   out.close();
   if (!out) throw granular::InputError("output " + path.string() + ": can't be written");
-}
-
-// Runs a program and waits; true if it ended with 0.
-bool runProgram(const std::vector<std::string>& words) {
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  pid_t process = 0;
-  if (::posix_spawnp(&process, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) return false;
-  int status = 0;
-  return ::waitpid(process, &status, 0) == process && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 // The picture is drawn by VTK in a virtual display; without these the rest stands.

@@ -21,10 +21,10 @@ struct NewBody {
   std::int64_t id = 0;
   std::int32_t shapeIndex = 0;
   std::int32_t material = 0;
-  double density = 2500;            ///< kg/m^3
-  Pose pose;                        ///< at t_n
-  Vec3 velocity = Vec3::Zero();     ///< m/s, at t_n
-  Vec3 spin = Vec3::Zero();         ///< rad/s, world axes, at t_n
+  double density = 2500;         ///< kg/m^3
+  Pose pose;                     ///< at t_n
+  Vec3 velocity = Vec3::Zero();  ///< m/s, at t_n
+  Vec3 spin = Vec3::Zero();      ///< rad/s, world axes, at t_n
 };
 
 struct Bodies {
@@ -40,19 +40,19 @@ struct Bodies {
   std::vector<Vec3> acceleration;  ///< of the last step, world axes, m/s^2
   std::vector<Vec3> alpha;         ///< angular acceleration of the last step, body axes, rad/s^2
   std::vector<Frame> frame;        ///< x and the matrix of q, for the kernels
-  std::vector<Vec3> force, torque; ///< gathered, world axes; torque about the centre of mass
-  std::vector<double> travel;      ///< path length of the fastest surface point so far (a bound), m
+  std::vector<Vec3> force, torque;  ///< gathered, world axes; torque about the centre of mass
+  std::vector<double> travel;       ///< path length of the fastest surface point so far (a bound), m
 
   // Properties; inverses are 0 for bodies that do not move.
-  std::vector<double> mass, inverseMass;     ///< kg, 1/kg
-  std::vector<Vec3> inertia, inverseInertia; ///< principal, body axes, kg m^2
-  std::vector<double> radiusRatio;           ///< <r^2>/<I> of S 13, 1/kg
-  std::vector<double> boundingRadius;        ///< m
+  std::vector<double> mass, inverseMass;      ///< kg, 1/kg
+  std::vector<Vec3> inertia, inverseInertia;  ///< principal, body axes, kg m^2
+  std::vector<double> radiusRatio;            ///< <r^2>/<I> of S 13, 1/kg
+  std::vector<double> boundingRadius;         ///< m
   std::vector<const Shape*> shape;
   std::vector<std::int32_t> shapeIndex, material;
 
   // Bookkeeping.
-  std::vector<std::int64_t> id;    ///< stable, unique
+  std::vector<std::int64_t> id;  ///< stable, unique
   std::vector<BodyState> state;
 
   std::size_t size() const { return x.size(); }

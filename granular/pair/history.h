@@ -7,15 +7,15 @@ namespace granular {
 
 /// What a contact remembers. Zero at its birth.
 struct ContactHistory {
-  Vec3 spring = Vec3::Zero();   ///< delta_t, m, world axes, perpendicular to `normal`
-  Vec3 normal = Vec3::Zero();   ///< normal of the last step (zero: new contact)
-  double twist = 0;             ///< torsional spring of a patch, rad
+  Vec3 spring = Vec3::Zero();  ///< delta_t, m, world axes, perpendicular to `normal`
+  Vec3 normal = Vec3::Zero();  ///< normal of the last step (zero: new contact)
+  double twist = 0;            ///< torsional spring of a patch, rad
 };
 
 struct ContactForce {
-  Vec3 force = Vec3::Zero();    ///< on A, acting at the contact point, N
-  Vec3 couple = Vec3::Zero();   ///< on A, about the contact point, N m
-  double normalForce = 0;       ///< signed: > 0 pushes the bodies apart, N
+  Vec3 force = Vec3::Zero();   ///< on A, acting at the contact point, N
+  Vec3 couple = Vec3::Zero();  ///< on A, about the contact point, N m
+  double normalForce = 0;      ///< signed: > 0 pushes the bodies apart, N
   bool sliding = false;
 };
 

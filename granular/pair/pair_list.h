@@ -18,8 +18,8 @@ using Image = std::array<std::int32_t, 3>;
 
 /// Two bodies whose grown bounds overlap; a has the lower id. Sorted by (id of a, id of b, image).
 struct Pair {
-  std::int32_t a, b;    ///< slots in Bodies
-  std::int32_t slot;    ///< in PairMemory
+  std::int32_t a, b;  ///< slots in Bodies
+  std::int32_t slot;  ///< in PairMemory
   Image image;
   /// The pair cannot touch before travel[a] + travel[b] reaches this, m.
   double quietUntil;
@@ -34,9 +34,9 @@ struct SpotHistory {
 /// A body near a wall. Sorted by (id of body, wall).
 struct WallPair {
   std::int32_t body, wall;
-  double quietUntil;                ///< as for Pair, with the wall's travel
-  std::vector<SpotHistory> spots;   ///< of the contacts of the last step, by spot
-  std::vector<Contact> held;        ///< the contacts of a body at rest
+  double quietUntil;               ///< as for Pair, with the wall's travel
+  std::vector<SpotHistory> spots;  ///< of the contacts of the last step, by spot
+  std::vector<Contact> held;       ///< the contacts of a body at rest
 };
 
 /// What the `manifold` rule remembers of a pair.

@@ -7,14 +7,14 @@
 
 namespace granular {
 
-/// What is remembered of a pair from one step to the next, in order to verify the last answer instead of searching again.
-/// Plain data, saved in checkpoints.
+/// What is remembered of a pair from one step to the next, in order to verify the last answer instead of searching
+/// again. Plain data, saved in checkpoints.
 struct WarmCache {
   enum Kind : std::int32_t { cold, apart, faceOfA, faceOfB, edgePair, smooth };
   std::int32_t kind = cold;
   std::int32_t featureA = 0;  ///< face, edge or vertex index of A, by kind
   std::int32_t featureB = 0;
-  std::int32_t touched = 0;   ///< 1 if the last look found an overlap
+  std::int32_t touched = 0;  ///< 1 if the last look found an overlap
   /// apart: unit separating direction from A to B in A's body axes; touching: the last normal in A's body axes.
   Vec3 direction = Vec3::Zero();
   /// How far the two surfaces may move relative to each other (sum of both bodies' motion, m) before the pair needs

@@ -14,7 +14,9 @@ void addFrozenContacts(const World& world, Bed& bed) {
   Search search(options);
   PairList list;
   search.refreshPairs(awake, 0, 0, list);
-  const auto frozen = [&](std::int32_t i) { return world.bodies.state[static_cast<std::size_t>(i)] == BodyState::frozen; };
+  const auto frozen = [&](std::int32_t i) {
+    return world.bodies.state[static_cast<std::size_t>(i)] == BodyState::frozen;
+  };
   for (const Pair& pair : list.pairs) {
     if (!frozen(pair.a) || !frozen(pair.b)) continue;
     const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
@@ -35,7 +37,8 @@ void addFrozenContacts(const World& world, Bed& bed) {
       touches.clear();
       wall->touch(world.options.rule, *awake.shape[i], awake.frame[i], touches);
       for (const WallTouch& found : touches) {
-        bed.contacts.push_back({static_cast<std::int32_t>(i), -1, found.patch.point, found.normal, Vec3::Zero(), found.overlap});
+        bed.contacts.push_back(
+            {static_cast<std::int32_t>(i), -1, found.patch.point, found.normal, Vec3::Zero(), found.overlap});
       }
     }
   }

@@ -20,7 +20,8 @@ VtkArray makeArray(const char* name, std::size_t count, Value value) {
 
 }  // namespace
 
-FrameWriter::FrameWriter(const std::filesystem::path& out, const Scene& settings, std::vector<FrameSeries::Entry> before)
+FrameWriter::FrameWriter(const std::filesystem::path& out, const Scene& settings,
+                         std::vector<FrameSeries::Entry> before)
     : folder(out / "frames"), scene(settings), particles(folder / "particles.pvd"), contacts(folder / "contacts.pvd") {
   prepareOutputFolder(folder);
   std::vector<FrameSeries::Entry> networks = before;

@@ -84,7 +84,8 @@ void writeTables(const PackingRun& run, const Bed& bed, const BedAnalysis& analy
   }
 }
 
-void writeSurfaces(const PackingRun& run, const Bed& bed, const BedAnalysis& analysis, const std::filesystem::path& out) {
+void writeSurfaces(const PackingRun& run, const Bed& bed, const BedAnalysis& analysis,
+                   const std::filesystem::path& out) {
   const OutputSettings& output = run.scene().output;
   MeshExportOptions options;
   options.resolution = static_cast<int>(output.resolution);
@@ -122,20 +123,24 @@ std::string formatSummary(const RunResult& result, const PackingRun& run) {
   const Report& report = run.world().report;
   std::string text = fmt::format("outcome: {} after {:.4g} s simulated, {} steps of {:.4g} s\n", result.outcome,
                                  result.simulated, result.steps, result.dt);
-  text += fmt::format("packing: {} particles, solid fraction overall {}, near wall {}, core {}; filling height {} m; coordination {}\n",
-                      result.particles, value(result.solidOverall), value(result.solidNearWall), value(result.solidCore),
-                      value(result.fillingHeight), value(result.coordination));
+  text += fmt::format(
+      "packing: {} particles, solid fraction overall {}, near wall {}, core {}; filling height {} m; coordination {}\n",
+      result.particles, value(result.solidOverall), value(result.solidNearWall), value(result.solidCore),
+      value(result.fillingHeight), value(result.coordination));
   text += fmt::format("contacts: {} now; largest overlap {:.3f} % of the size (bodies {} and {} at t = {:.4g} s)\n",
-                      result.contactsNow, 100 * result.maxOverlapOverSize, report.deepestA, report.deepestB, report.deepestTime);
+                      result.contactsNow, 100 * result.maxOverlapOverSize, report.deepestA, report.deepestB,
+                      report.deepestTime);
   const NarrowCounts& c = result.contacts;
-  text += fmt::format("contact certificate: {} answers verified warm, {} full searches, {} cold, {} fallbacks, {} missed by "
-                      "Bullet, {} normal flips, {} uncertified\n",
-                      c.warm, c.searches, c.cold, c.fallbacks, c.missed, c.normalFlips, c.uncertified);
+  text += fmt::format(
+      "contact certificate: {} answers verified warm, {} full searches, {} cold, {} fallbacks, {} missed by "
+      "Bullet, {} normal flips, {} uncertified\n",
+      c.warm, c.searches, c.cold, c.fallbacks, c.missed, c.normalFlips, c.uncertified);
   text += fmt::format("energy: kinetic {:.3g} J; ledger not kept\n", result.kineticEnergy);
-  text += fmt::format("speed: {:.4g} s wall, {:.3g} particle-steps/s, {:.3g} us per contact; step bound of the contacts met "
-                      "{:.3g} s\n",
-                      result.wall, result.particleSteps / result.wall,
-                      1e6 * result.wall / std::max(1.0, static_cast<double>(report.contactSteps)), run.progress().smallestBound);
+  text += fmt::format(
+      "speed: {:.4g} s wall, {:.3g} particle-steps/s, {:.3g} us per contact; step bound of the contacts met "
+      "{:.3g} s\n",
+      result.wall, result.particleSteps / result.wall,
+      1e6 * result.wall / std::max(1.0, static_cast<double>(report.contactSteps)), run.progress().smallestBound);
   for (const std::string& note : result.notes) text += "note: " + note + "\n";
   return text;
 }

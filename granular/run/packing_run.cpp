@@ -34,11 +34,16 @@ double weightTimesSize(const Bodies& bodies, std::size_t i, double gravity) {
 
 std::string_view runEndName(RunEnd end) {
   switch (end) {
-    case RunEnd::rested: return "rested";
-    case RunEnd::notRested: return "not at rest in the time given";
-    case RunEnd::trouble: return "stopped by trouble";
-    case RunEnd::interrupted: return "interrupted";
-    case RunEnd::outOfTime: return "out of time";
+    case RunEnd::rested:
+      return "rested";
+    case RunEnd::notRested:
+      return "not at rest in the time given";
+    case RunEnd::trouble:
+      return "stopped by trouble";
+    case RunEnd::interrupted:
+      return "interrupted";
+    case RunEnd::outOfTime:
+      return "out of time";
   }
   return {};
 }
@@ -117,7 +122,8 @@ void PackingRun::placePoses() {
   }
   // Whatever was given must not overlap beyond what the scene accepts.
   std::vector<PlacedShape> placed;
-  for (std::size_t i = 0; i < state->bodies.size(); ++i) placed.push_back({state->bodies.shape[i], state->bodies.frame[i]});
+  for (std::size_t i = 0; i < state->bodies.size(); ++i)
+    placed.push_back({state->bodies.shape[i], state->bodies.frame[i]});
   std::vector<const Wall*> walls;
   for (const auto& wall : state->walls) walls.push_back(wall.get());
   if (!placed.empty()) checkPoses(placed, state->bodies.id, state->options.periods, walls, insertion.maxOverlap);
@@ -143,9 +149,8 @@ void PackingRun::chooseTimeStep() {
   stepBound = boundBeforeRun(kinds, state->materials, state->options.lawOptions);
   if (settings.time.step) {
     dt = *settings.time.step;
-    require(dt <= stepBound.bound,
-            fmt::format("{}: time.step = {:g} s is above the stability bound {:.4g} s ({})", settings.file.string(), dt,
-                        stepBound.bound, stepBound.explanation));
+    require(dt <= stepBound.bound, fmt::format("{}: time.step = {:g} s is above the stability bound {:.4g} s ({})",
+                                               settings.file.string(), dt, stepBound.bound, stepBound.explanation));
   } else {
     dt = settings.time.fraction * stepBound.bound;
   }
@@ -167,7 +172,8 @@ void PackingRun::insertDue() {
   // A batch that found no room for its last particles goes on while the first are still falling: those stay free.
   if (settings.settle.kind == SettleSettings::Kind::freeze && counters.consolidated) freezeConsolidated();
   std::vector<PlacedShape> present;
-  for (std::size_t i = 0; i < state->bodies.size(); ++i) present.push_back({state->bodies.shape[i], state->bodies.frame[i]});
+  for (std::size_t i = 0; i < state->bodies.size(); ++i)
+    present.push_back({state->bodies.shape[i], state->bodies.frame[i]});
   const std::size_t first = state->bodies.size();
   for (const NewParticle& particle : pour->insert(state->time, counters.consolidated, present)) addParticle(particle);
   startHalfSteps(*state, dt, first, false);
@@ -227,9 +233,7 @@ void PackingRun::observe(double interval) {
   counters.smallestBound = std::min(counters.smallestBound, now.bound);
 }
 
-bool PackingRun::isResting() const {
-  return pour->isDone() && counters.awake && counters.calm >= settings.rest.time;
-}
+bool PackingRun::isResting() const { return pour->isDone() && counters.awake && counters.calm >= settings.rest.time; }
 
 RunEnd PackingRun::run(const std::filesystem::path& out, const volatile std::sig_atomic_t& stop) {
   const std::int64_t lookEvery = observationSteps(dt);
@@ -262,7 +266,8 @@ RunEnd PackingRun::run(const std::filesystem::path& out, const volatile std::sig
     }
     if (isResting()) return finish(RunEnd::rested);
     if (stop) return finish(RunEnd::interrupted);
-    if (counters.wall > settings.limits.wallTime || state->time >= settings.time.maxTime) return finish(RunEnd::outOfTime);
+    if (counters.wall > settings.limits.wallTime || state->time >= settings.time.maxTime)
+      return finish(RunEnd::outOfTime);
     if (pour->isDone() && state->time - counters.pouredAt > settings.rest.maxTime) return finish(RunEnd::notRested);
     if (line.elapsed() - savedAt > settings.output.checkpointEvery || state->time >= counters.nextCheckpoint) {
       counters.nextCheckpoint = state->time + settings.output.checkpointInterval;
@@ -274,7 +279,8 @@ RunEnd PackingRun::run(const std::filesystem::path& out, const volatile std::sig
 
 double PackingRun::shareDone() const {
   // Pouring is most of the work; the final rest comes by itself.
-  const double poured = pour->count() > 0 ? static_cast<double>(pour->state().placed) / static_cast<double>(pour->count()) : 1;
+  const double poured =
+      pour->count() > 0 ? static_cast<double>(pour->state().placed) / static_cast<double>(pour->count()) : 1;
   // The cost of a step grows with the particles: the work done is nearly the square of the share poured.
   return 0.9 * poured * poured + (isResting() ? 0.1 : 0);
 }
@@ -283,9 +289,10 @@ std::string PackingRun::describeProgress() const {
   const Bodies& bodies = state->bodies;
   const auto asleep = std::count(bodies.state.begin(), bodies.state.end(), BodyState::asleep);
   const std::int64_t left = pour->count() - pour->state().placed;
-  return fmt::format("t = {:.3f} s, {} of {} particles, {} asleep, {} contacts, kinetic energy {:.1e} m g d, deepest overlap {:.2f} %",
-                     state->time, bodies.size(), static_cast<std::int64_t>(bodies.size()) + left, asleep,
-                     state->contactCount(), restlessness(), 100 * state->report.deepestOverlap);
+  return fmt::format(
+      "t = {:.3f} s, {} of {} particles, {} asleep, {} contacts, kinetic energy {:.1e} m g d, deepest overlap {:.2f} %",
+      state->time, bodies.size(), static_cast<std::int64_t>(bodies.size()) + left, asleep, state->contactCount(),
+      restlessness(), 100 * state->report.deepestOverlap);
 }
 
 void PackingRun::save(const std::filesystem::path& out) {
@@ -343,11 +350,12 @@ std::string PackingRun::describePlan() const {
   text += fmt::format("scene: {} ({})\n", settings.name, settings.file.string());
   text += fmt::format("particles: {:.0f}", particles);
   for (const ParticleSettings& group : settings.particles) text += fmt::format(", {}", group.name);
-  text += fmt::format("\ntime step: {:.4g} s = {:.3g} of the bound; {}\n", dt, dt / stepBound.bound, stepBound.explanation);
+  text +=
+      fmt::format("\ntime step: {:.4g} s = {:.3g} of the bound; {}\n", dt, dt / stepBound.bound, stepBound.explanation);
   text += fmt::format("model: {}, {}, {}\n", settings.model.law, settings.model.pointRule, settings.model.integrator);
   text += describeSkips(settings) + "\n";
-  text += fmt::format("expected: {:.2g} s simulated, {:.2g} steps, {:.0f} s on one core, {:.0f} MB\n", simulated, steps, wall,
-                      20 + particles * 8e-3);
+  text += fmt::format("expected: {:.2g} s simulated, {:.2g} steps, {:.0f} s on one core, {:.0f} MB\n", simulated, steps,
+                      wall, 20 + particles * 8e-3);
   return text;
 }
 

@@ -31,17 +31,17 @@ std::string_view runEndName(RunEnd end);
 
 /// Counters of the run itself; with the world and the inserter's state, all there is to save.
 struct RunProgress {
-  double calm = 0;              ///< how long the kinetic energy has been below the bound in question, s
-  double batchStart = 0;        ///< when the present batch came, s
-  double pouredAt = -1;         ///< when the last particle came, s; -1: not yet
-  bool consolidated = true;     ///< the batch before is at rest
-  bool awake = false;           ///< the final wait has begun: all sleepers were woken, none sleeps again
-  std::int64_t frozenBelow = 0; ///< ids below this are frozen
-  std::int64_t lateBatches = 0; ///< batches that were not consolidated in their time
-  std::int64_t frames = 0;      ///< written so far
-  double nextFrame = 0;         ///< s
-  double nextCheckpoint = 0;    ///< simulated, s
-  double wall = 0;              ///< wall time of earlier runs, s
+  double calm = 0;                  ///< how long the kinetic energy has been below the bound in question, s
+  double batchStart = 0;            ///< when the present batch came, s
+  double pouredAt = -1;             ///< when the last particle came, s; -1: not yet
+  bool consolidated = true;         ///< the batch before is at rest
+  bool awake = false;               ///< the final wait has begun: all sleepers were woken, none sleeps again
+  std::int64_t frozenBelow = 0;     ///< ids below this are frozen
+  std::int64_t lateBatches = 0;     ///< batches that were not consolidated in their time
+  std::int64_t frames = 0;          ///< written so far
+  double nextFrame = 0;             ///< s
+  double nextCheckpoint = 0;        ///< simulated, s
+  double wall = 0;                  ///< wall time of earlier runs, s
   double smallestBound = infinity;  ///< smallest step bound seen with the contacts at hand, s
 };
 
@@ -65,7 +65,8 @@ class PackingRun {
   /// What this run will do, in lines: particles, vessel, time step and why, what is skipped, memory and time expected.
   std::string describePlan() const;
 
-  /// Goes on until the bed is at rest, or trouble, or `stop` becomes nonzero. `out`: folder of frames and checkpoints, which exists.
+  /// Goes on until the bed is at rest, or trouble, or `stop` becomes nonzero. `out`: folder of frames and checkpoints,
+  /// which exists.
   RunEnd run(const std::filesystem::path& out, const volatile std::sig_atomic_t& stop);
 
   /// Kinetic energy of the moving bodies over the sum of m g d of the particles poured last (d: equal-volume diameter).

@@ -19,11 +19,21 @@ using Extent = std::function<double(double size)>;
 SizeOptions sizeOptionsOf(const SizeSettings& size) {
   SizeOptions options;
   switch (size.distribution) {
-    case SizeSettings::Distribution::fixed: options.kind = SizeKind::fixed; break;
-    case SizeSettings::Distribution::uniform: options.kind = SizeKind::uniform; break;
-    case SizeSettings::Distribution::normal: options.kind = SizeKind::normal; break;
-    case SizeSettings::Distribution::lognormal: options.kind = SizeKind::logNormal; break;
-    case SizeSettings::Distribution::sieve: options.kind = SizeKind::sieve; break;
+    case SizeSettings::Distribution::fixed:
+      options.kind = SizeKind::fixed;
+      break;
+    case SizeSettings::Distribution::uniform:
+      options.kind = SizeKind::uniform;
+      break;
+    case SizeSettings::Distribution::normal:
+      options.kind = SizeKind::normal;
+      break;
+    case SizeSettings::Distribution::lognormal:
+      options.kind = SizeKind::logNormal;
+      break;
+    case SizeSettings::Distribution::sieve:
+      options.kind = SizeKind::sieve;
+      break;
   }
   options.weight = size.by == SizeSettings::By::mass ? SizeWeight::mass : SizeWeight::number;
   options.value = size.value;
@@ -43,13 +53,20 @@ ShapePointer makeTemplate(const ParticleSettings& group) {
     return makeShape(name, std::span<const double>(parameters.begin(), parameters.size()));
   };
   switch (group.shape) {
-    case Kind::sphere: return row("sphere", {group.radius});
-    case Kind::ellipsoid: return row("ellipsoid", {group.semiAxes.x(), group.semiAxes.y(), group.semiAxes.z()});
-    case Kind::cylinder: return row("cylinder", {group.radius, group.height});
-    case Kind::cone: return row("cone", {group.radius, group.height});
-    case Kind::cuboid: return row("cuboid", {group.halfLengths.x(), group.halfLengths.y(), group.halfLengths.z()});
-    case Kind::polyhedron: return std::make_shared<Polyhedron>(group.vertices);
-    default: return nullptr;
+    case Kind::sphere:
+      return row("sphere", {group.radius});
+    case Kind::ellipsoid:
+      return row("ellipsoid", {group.semiAxes.x(), group.semiAxes.y(), group.semiAxes.z()});
+    case Kind::cylinder:
+      return row("cylinder", {group.radius, group.height});
+    case Kind::cone:
+      return row("cone", {group.radius, group.height});
+    case Kind::cuboid:
+      return row("cuboid", {group.halfLengths.x(), group.halfLengths.y(), group.halfLengths.z()});
+    case Kind::polyhedron:
+      return std::make_shared<Polyhedron>(group.vertices);
+    default:
+      return nullptr;
   }
 }
 
@@ -69,9 +86,7 @@ void useTemplate(const ParticleSettings& group, ShapePointer base, PourGroup& ou
     return;
   }
   out.make = [base, settings](double size, Random&) { return scaledShape(*base, factorOf(settings, size, *base)); };
-  out.longestExtent = [base, settings](double size) {
-    return base->longestExtent() * factorOf(settings, size, *base);
-  };
+  out.longestExtent = [base, settings](double size) { return base->longestExtent() * factorOf(settings, size, *base); };
 }
 
 /// Rocks: every particle one of the files, chosen at random, its longest extent drawn uniformly.
@@ -189,24 +204,30 @@ std::vector<PourGroup> makePourGroups(const Scene& scene) {
     const std::uint64_t seed = scene.seed * 1000003 + k;
     try {
       switch (settings.shape) {
-        case ParticleSettings::Shape::mesh: useMeshes(settings, group); break;
+        case ParticleSettings::Shape::mesh:
+          useMeshes(settings, group);
+          break;
         case ParticleSettings::Shape::sand: {
           const SandOptions options = sandOptionsOf(settings);
-          useMade(settings, longestSand(options), seed,
-                  [options](Random& random) -> ShapePointer { return makeSand(options, random); }, group);
+          useMade(
+              settings, longestSand(options), seed,
+              [options](Random& random) -> ShapePointer { return makeSand(options, random); }, group);
           break;
         }
         case ParticleSettings::Shape::woodchip: {
           const WoodchipOptions options = woodchipOptionsOf(settings);
-          useMade(settings, longestWoodchip(options), seed,
-                  [options](Random& random) -> ShapePointer { return makeWoodchip(options, random); }, group);
+          useMade(
+              settings, longestWoodchip(options), seed,
+              [options](Random& random) -> ShapePointer { return makeWoodchip(options, random); }, group);
           break;
         }
-        default: useTemplate(settings, makeTemplate(settings), group); break;
+        default:
+          useTemplate(settings, makeTemplate(settings), group);
+          break;
       }
     } catch (const InputError& error) {
-      throw InputError(fmt::format("{}:{}: particles '{}': {}", scene.file.string(), settings.line, settings.name,
-                                   error.what()));
+      throw InputError(
+          fmt::format("{}:{}: particles '{}': {}", scene.file.string(), settings.line, settings.name, error.what()));
     }
     groups.push_back(std::move(group));
   }

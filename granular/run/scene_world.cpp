@@ -50,8 +50,9 @@ WorldOptions makeOptions(const Scene& scene) {
   options.skips.feature = skips(scene, "epa");
   options.sleep.on = scene.settle.kind == SettleSettings::Kind::sleep && skips(scene, "sleep");
   require(!options.sleep.on || options.rule.rule != PointRule::manifold,
-          scene.file.string() + ": settle.kind = \"sleep\" does not go with model.point_rule = \"manifold\", which keeps several "
-                                "contacts per pair: choose none or freeze, or another rule");
+          scene.file.string() +
+              ": settle.kind = \"sleep\" does not go with model.point_rule = \"manifold\", which keeps several "
+              "contacts per pair: choose none or freeze, or another rule");
   options.sleep.energy = scene.settle.energy;
   options.sleep.balance = scene.settle.balance;
   options.sleep.time = scene.settle.time;
@@ -97,8 +98,12 @@ void addSceneWalls(const Scene& scene, World& world) {
   for (const WallSettings& settings : scene.walls) {
     std::unique_ptr<Wall> wall;
     switch (settings.kind) {
-      case WallSettings::Kind::plane: wall = makePlaneWall(settings.point, settings.normal.normalized()); break;
-      case WallSettings::Kind::cylinder: wall = makeCylinderWall(settings.point.head<2>(), settings.radius); break;
+      case WallSettings::Kind::plane:
+        wall = makePlaneWall(settings.point, settings.normal.normalized());
+        break;
+      case WallSettings::Kind::cylinder:
+        wall = makeCylinderWall(settings.point.head<2>(), settings.radius);
+        break;
       case WallSettings::Kind::mesh: {
         TriangleMesh mesh = importTriangles(settings.file.string(), "m", settings.unit * settings.scale);
         for (Vec3& vertex : mesh.vertices) vertex += settings.point;
@@ -138,7 +143,9 @@ Region makeRegion(const Scene& scene) {
 Vessel makeVessel(const Scene& scene) {
   Vessel vessel;
   switch (scene.vessel.kind) {
-    case VesselSettings::Kind::none: vessel.kind = Vessel::Kind::none; break;
+    case VesselSettings::Kind::none:
+      vessel.kind = Vessel::Kind::none;
+      break;
     case VesselSettings::Kind::cylinder:
       vessel.kind = Vessel::Kind::cylinder;
       vessel.radius = scene.vessel.radius;

@@ -10,8 +10,8 @@
 
 namespace granular {
 
-/// An empty world with the scene's materials and walls. Throws InputError for what only shows here: a wall mesh that can't
-/// be used, an unknown rule or law.
+/// An empty world with the scene's materials and walls. Throws InputError for what only shows here: a wall mesh that
+/// can't be used, an unknown rule or law.
 std::unique_ptr<World> makeWorld(const Scene& scene);
 
 /// Where particles may be put: the vessel; without one, a square around the axis that the scene's particles fit in.

@@ -21,8 +21,10 @@ void visitField(Archive& archive, std::string_view name, std::vector<Row>& rows,
   for (Row& row : rows) column.push_back(static_cast<T>(field(row)));
   archive.visit(name, column);
   if (!archive.loading()) return;
-  require(column.size() == rows.size(), "checkpoint: column " + std::string(name) + " is of another length than its neighbours");
-  for (std::size_t k = 0; k < rows.size(); ++k) field(rows[k]) = static_cast<std::decay_t<decltype(field(rows[k]))>>(column[k]);
+  require(column.size() == rows.size(),
+          "checkpoint: column " + std::string(name) + " is of another length than its neighbours");
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    field(rows[k]) = static_cast<std::decay_t<decltype(field(rows[k]))>>(column[k]);
 }
 
 /// The number of rows, which loading gives to the list.
@@ -41,30 +43,54 @@ void visitHistory(Archive& archive, std::vector<ContactHistory>& rows) {
 
 void visitContacts(Archive& archive, std::vector<Contact>& rows) {
   visitCount(archive, rows);
-  visitField<std::int32_t>(archive, "pair", rows, [](Contact& c) -> auto& { return c.pair; });
-  visitField<std::int32_t>(archive, "a", rows, [](Contact& c) -> auto& { return c.a; });
-  visitField<std::int32_t>(archive, "b", rows, [](Contact& c) -> auto& { return c.b; });
-  visitField<std::int32_t>(archive, "spot", rows, [](Contact& c) -> auto& { return c.spot; });
-  visitField<double>(archive, "share", rows, [](Contact& c) -> auto& { return c.share; });
-  visitField<Vec3>(archive, "shift", rows, [](Contact& c) -> auto& { return c.shift; });
-  visitField<Vec3>(archive, "normal", rows, [](Contact& c) -> auto& { return c.touch.normal; });
-  visitField<double>(archive, "overlap", rows, [](Contact& c) -> auto& { return c.touch.overlap; });
-  visitField<Vec3>(archive, "on_a", rows, [](Contact& c) -> auto& { return c.touch.onA; });
-  visitField<Vec3>(archive, "on_b", rows, [](Contact& c) -> auto& { return c.touch.onB; });
-  visitField<Vec3>(archive, "point", rows, [](Contact& c) -> auto& { return c.patch.point; });
-  visitField<Vec3>(archive, "centre", rows, [](Contact& c) -> auto& { return c.patch.centre; });
-  visitField<double>(archive, "area", rows, [](Contact& c) -> auto& { return c.patch.area; });
-  visitField<Vec3>(archive, "u", rows, [](Contact& c) -> auto& { return c.patch.u; });
-  visitField<double>(archive, "uu", rows, [](Contact& c) -> auto& { return c.patch.uu; });
-  visitField<double>(archive, "vv", rows, [](Contact& c) -> auto& { return c.patch.vv; });
-  visitField<double>(archive, "uv", rows, [](Contact& c) -> auto& { return c.patch.uv; });
-  visitField<Vec3>(archive, "force", rows, [](Contact& c) -> auto& { return c.force.force; });
-  visitField<Vec3>(archive, "couple", rows, [](Contact& c) -> auto& { return c.force.couple; });
-  visitField<double>(archive, "normal_force", rows, [](Contact& c) -> auto& { return c.force.normalForce; });
-  visitField<std::uint8_t>(archive, "sliding", rows, [](Contact& c) -> auto& { return c.force.sliding; });
-  visitField<std::uint8_t>(archive, "held", rows, [](Contact& c) -> auto& { return c.held; });
-  visitField<Vec3>(archive, "torque_a", rows, [](Contact& c) -> auto& { return c.torqueA; });
-  visitField<Vec3>(archive, "torque_b", rows, [](Contact& c) -> auto& { return c.torqueB; });
+  visitField<std::int32_t>(
+      archive, "pair", rows, [](Contact & c) -> auto& { return c.pair; });
+  visitField<std::int32_t>(
+      archive, "a", rows, [](Contact & c) -> auto& { return c.a; });
+  visitField<std::int32_t>(
+      archive, "b", rows, [](Contact & c) -> auto& { return c.b; });
+  visitField<std::int32_t>(
+      archive, "spot", rows, [](Contact & c) -> auto& { return c.spot; });
+  visitField<double>(
+      archive, "share", rows, [](Contact & c) -> auto& { return c.share; });
+  visitField<Vec3>(
+      archive, "shift", rows, [](Contact & c) -> auto& { return c.shift; });
+  visitField<Vec3>(
+      archive, "normal", rows, [](Contact & c) -> auto& { return c.touch.normal; });
+  visitField<double>(
+      archive, "overlap", rows, [](Contact & c) -> auto& { return c.touch.overlap; });
+  visitField<Vec3>(
+      archive, "on_a", rows, [](Contact & c) -> auto& { return c.touch.onA; });
+  visitField<Vec3>(
+      archive, "on_b", rows, [](Contact & c) -> auto& { return c.touch.onB; });
+  visitField<Vec3>(
+      archive, "point", rows, [](Contact & c) -> auto& { return c.patch.point; });
+  visitField<Vec3>(
+      archive, "centre", rows, [](Contact & c) -> auto& { return c.patch.centre; });
+  visitField<double>(
+      archive, "area", rows, [](Contact & c) -> auto& { return c.patch.area; });
+  visitField<Vec3>(
+      archive, "u", rows, [](Contact & c) -> auto& { return c.patch.u; });
+  visitField<double>(
+      archive, "uu", rows, [](Contact & c) -> auto& { return c.patch.uu; });
+  visitField<double>(
+      archive, "vv", rows, [](Contact & c) -> auto& { return c.patch.vv; });
+  visitField<double>(
+      archive, "uv", rows, [](Contact & c) -> auto& { return c.patch.uv; });
+  visitField<Vec3>(
+      archive, "force", rows, [](Contact & c) -> auto& { return c.force.force; });
+  visitField<Vec3>(
+      archive, "couple", rows, [](Contact & c) -> auto& { return c.force.couple; });
+  visitField<double>(
+      archive, "normal_force", rows, [](Contact & c) -> auto& { return c.force.normalForce; });
+  visitField<std::uint8_t>(
+      archive, "sliding", rows, [](Contact & c) -> auto& { return c.force.sliding; });
+  visitField<std::uint8_t>(
+      archive, "held", rows, [](Contact & c) -> auto& { return c.held; });
+  visitField<Vec3>(
+      archive, "torque_a", rows, [](Contact & c) -> auto& { return c.torqueA; });
+  visitField<Vec3>(
+      archive, "torque_b", rows, [](Contact & c) -> auto& { return c.torqueB; });
 }
 
 /// Lists of spots per row: how many each has, then all in one column.
@@ -91,16 +117,24 @@ void visitSpots(Archive& archive, std::vector<Row>& rows) {
 
 void visitManifolds(Archive& archive, std::vector<ManifoldMemory>& rows) {
   visitCount(archive, rows);
-  visitField<std::int32_t>(archive, "points", rows, [](ManifoldMemory& m) -> auto& { return m.manifold.count; });
-  visitField<std::int32_t>(archive, "next_spot", rows, [](ManifoldMemory& m) -> auto& { return m.manifold.nextSpot; });
+  visitField<std::int32_t>(
+      archive, "points", rows, [](ManifoldMemory & m) -> auto& { return m.manifold.count; });
+  visitField<std::int32_t>(
+      archive, "next_spot", rows, [](ManifoldMemory & m) -> auto& { return m.manifold.nextSpot; });
   for (std::size_t k = 0; k < 4; ++k) {
     archive.inGroup("point_" + std::to_string(k), [&] {
-      visitField<Vec3>(archive, "on_a", rows, [k](ManifoldMemory& m) -> auto& { return m.manifold.points[k].onA; });
-      visitField<Vec3>(archive, "on_b", rows, [k](ManifoldMemory& m) -> auto& { return m.manifold.points[k].onB; });
-      visitField<Vec3>(archive, "normal", rows, [k](ManifoldMemory& m) -> auto& { return m.manifold.points[k].normal; });
-      visitField<double>(archive, "overlap", rows, [k](ManifoldMemory& m) -> auto& { return m.manifold.points[k].overlap; });
-      visitField<std::int32_t>(archive, "spot", rows, [k](ManifoldMemory& m) -> auto& { return m.manifold.points[k].spot; });
-      visitField<std::int32_t>(archive, "age", rows, [k](ManifoldMemory& m) -> auto& { return m.manifold.points[k].age; });
+      visitField<Vec3>(
+          archive, "on_a", rows, [k](ManifoldMemory & m) -> auto& { return m.manifold.points[k].onA; });
+      visitField<Vec3>(
+          archive, "on_b", rows, [k](ManifoldMemory & m) -> auto& { return m.manifold.points[k].onB; });
+      visitField<Vec3>(
+          archive, "normal", rows, [k](ManifoldMemory & m) -> auto& { return m.manifold.points[k].normal; });
+      visitField<double>(
+          archive, "overlap", rows, [k](ManifoldMemory & m) -> auto& { return m.manifold.points[k].overlap; });
+      visitField<std::int32_t>(
+          archive, "spot", rows, [k](ManifoldMemory & m) -> auto& { return m.manifold.points[k].spot; });
+      visitField<std::int32_t>(
+          archive, "age", rows, [k](ManifoldMemory & m) -> auto& { return m.manifold.points[k].age; });
     });
   }
   visitSpots(archive, rows);
@@ -112,7 +146,8 @@ void visitPairs(Archive& archive, PairList& list) {
     archive.visitMember("b", list.pairs, &Pair::b);
     archive.visitMember("slot", list.pairs, &Pair::slot, {"", "row of memory"});
     archive.visitMember("image", list.pairs, &Pair::image, {"", "periods to b's image"});
-    archive.visitMember("quiet_until", list.pairs, &Pair::quietUntil, {"m", "sum of travels before which it can't touch"});
+    archive.visitMember("quiet_until", list.pairs, &Pair::quietUntil,
+                        {"m", "sum of travels before which it can't touch"});
   });
   archive.inGroup("memory", [&] {
     PairMemory& memory = list.memory;
@@ -132,9 +167,12 @@ void visitPairs(Archive& archive, PairList& list) {
 void visitWallPairs(Archive& archive, std::vector<WallPair>& pairs) {
   archive.inGroup("wall_pairs", [&] {
     visitCount(archive, pairs);
-    visitField<std::int32_t>(archive, "body", pairs, [](WallPair& p) -> auto& { return p.body; });
-    visitField<std::int32_t>(archive, "wall", pairs, [](WallPair& p) -> auto& { return p.wall; });
-    visitField<double>(archive, "quiet_until", pairs, [](WallPair& p) -> auto& { return p.quietUntil; });
+    visitField<std::int32_t>(
+        archive, "body", pairs, [](WallPair & p) -> auto& { return p.body; });
+    visitField<std::int32_t>(
+        archive, "wall", pairs, [](WallPair & p) -> auto& { return p.wall; });
+    visitField<double>(
+        archive, "quiet_until", pairs, [](WallPair & p) -> auto& { return p.quietUntil; });
 
     visitSpots(archive, pairs);
 
@@ -184,9 +222,8 @@ void describe(Archive& archive, World& world) {
   archive.visit("wall_travel", world.wallTravel, {"m", ""});
   archive.visit("next_id", world.nextId);
   archive.visit("sleep_on", world.options.sleep.on);
-  archive.inGroup("bodies", [&] {
-    world.bodies.visitState([&](const char* name, auto& column) { archive.visit(name, column); });
-  });
+  archive.inGroup(
+      "bodies", [&] { world.bodies.visitState([&](const char* name, auto& column) { archive.visit(name, column); }); });
   visitPairs(archive, world.pairs);
   visitWallPairs(archive, world.pairs.wallPairs);
   archive.inGroup("search", [&] {

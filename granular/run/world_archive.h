@@ -10,8 +10,8 @@ namespace granular {
 
 struct RunProgress;
 
-/// Bodies, pairs with their caches and histories, the search's boxes, sleep, report. Shapes, materials, walls and options
-/// come from the scene and must be there before loading.
+/// Bodies, pairs with their caches and histories, the search's boxes, sleep, report. Shapes, materials, walls and
+/// options come from the scene and must be there before loading.
 void describe(Archive& archive, World& world);
 void describe(Archive& archive, PourState& state);
 void describe(Archive& archive, RunProgress& progress);

@@ -141,7 +141,8 @@ void Search::mergePairs(const Bodies& bodies, PairList& list) {
       for (std::size_t m = 0; m < 3; ++m) pair.image[m] = static_cast<std::int32_t>(ghost[m] + wrapB[m] - wrapA[m]);
       if (pair.a == pair.b) continue;  // longer than half a period: refused at the start
     }
-    if (!canMove(bodies, static_cast<std::size_t>(pair.a)) && !canMove(bodies, static_cast<std::size_t>(pair.b))) continue;
+    if (!canMove(bodies, static_cast<std::size_t>(pair.a)) && !canMove(bodies, static_cast<std::size_t>(pair.b)))
+      continue;
     if (bodies.id[static_cast<std::size_t>(pair.a)] > bodies.id[static_cast<std::size_t>(pair.b)]) {
       std::swap(pair.a, pair.b);
       for (auto& steps : pair.image) steps = static_cast<std::int32_t>(-steps);

@@ -16,16 +16,14 @@ struct Periods {
   Vec3 origin = Vec3::Zero();
   bool any() const { return (length.array() > 0).any(); }
   /// How far the image lies from the stored position, m.
-  Vec3 shift(const Image& image) const {
-    return {image[0] * length.x(), image[1] * length.y(), image[2] * length.z()};
-  }
+  Vec3 shift(const Image& image) const { return {image[0] * length.x(), image[1] * length.y(), image[2] * length.z()}; }
 };
 
 struct SearchOptions {
-  double skin = 0.1;          ///< bounds grow by this times the body's equal-volume radius, plus a share for speed
-  double lookAhead = 30;      ///< and by the way a body makes in this many steps
-  bool everyStep = false;     ///< search anew each step: the oracle of the skin
-  bool bruteForce = false;    ///< every pair against every other: the oracle of the broad phase
+  double skin = 0.1;        ///< bounds grow by this times the body's equal-volume radius, plus a share for speed
+  double lookAhead = 30;    ///< and by the way a body makes in this many steps
+  bool everyStep = false;   ///< search anew each step: the oracle of the skin
+  bool bruteForce = false;  ///< every pair against every other: the oracle of the broad phase
   Periods periods;
 };
 
@@ -37,7 +35,8 @@ class Search {
   /// True if some surface may have left its grown bounds since the last refresh, or bodies came or went.
   bool isDue(const Bodies& bodies, double wallTravel) const;
 
-  /// Brings the pairs of bodies up to date. Memory of surviving pairs is kept; pairs of two bodies that cannot move are left out.
+  /// Brings the pairs of bodies up to date. Memory of surviving pairs is kept; pairs of two bodies that cannot move are
+  /// left out.
   void refreshPairs(const Bodies& bodies, double dt, double wallTravel, PairList& list);
 
   /// The margin by which body i's bounds are grown, m.
@@ -73,11 +72,11 @@ class Search {
 
   SearchOptions settings;
   std::unique_ptr<BroadPhase> broadPhase;
-  std::vector<Aabb> boxes;           // grown bounds as placed
-  std::vector<double> margins;       // by which they were grown
-  std::vector<double> travelAtPlace; // travel of the body (and the walls) when they were placed
-  std::vector<Vec3> lowest, highest; // boxes as columns, for a checkpoint
-  std::vector<Image> wraps;          // periods that bring a body into the domain
+  std::vector<Aabb> boxes;            // grown bounds as placed
+  std::vector<double> margins;        // by which they were grown
+  std::vector<double> travelAtPlace;  // travel of the body (and the walls) when they were placed
+  std::vector<Vec3> lowest, highest;  // boxes as columns, for a checkpoint
+  std::vector<Image> wraps;           // periods that bring a body into the domain
   std::vector<Ghost> ghosts;
   std::vector<std::array<std::int32_t, 2>> candidates;
   std::vector<Pair> found;

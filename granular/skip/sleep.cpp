@@ -23,11 +23,13 @@ void updateSleep(const SleepOptions& options, double gravity, double dt, Bodies&
       continue;
     }
     const Vec3 spin = bodies.frame[i].unrotate(bodies.w[i]);
-    const double energy = 0.5 * (bodies.mass[i] * bodies.v[i].squaredNorm() + spin.dot(bodies.inertia[i].cwiseProduct(spin)));
+    const double energy =
+        0.5 * (bodies.mass[i] * bodies.v[i].squaredNorm() + spin.dot(bodies.inertia[i].cwiseProduct(spin)));
     state.calm[i] = energy <= options.energy * weight * 2 * size ? state.calm[i] + dt : 0;
     if (state.calm[i] < options.time) continue;
     const double balance = options.balance * weight;
-    if (bodies.force[i].squaredNorm() > balance * balance || bodies.torque[i].squaredNorm() > balance * balance * size * size) {
+    if (bodies.force[i].squaredNorm() > balance * balance ||
+        bodies.torque[i].squaredNorm() > balance * balance * size * size) {
       continue;
     }
     state.force[i] = bodies.force[i];

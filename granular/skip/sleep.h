@@ -1,6 +1,6 @@
-// Sleeping: a body that has been slow for a stated time is taken out of the motion at a moment when its forces balance; it
-// wakes when the force on it differs from the force when it fell asleep by more than a bound. (design 2.4)
-// The whole bed is one island: each body decides for itself.
+// Sleeping: a body that has been slow for a stated time is taken out of the motion at a moment when its forces balance;
+// it wakes when the force on it differs from the force when it fell asleep by more than a bound. (design 2.4) The whole
+// bed is one island: each body decides for itself.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,18 @@ namespace granular {
 
 struct SleepOptions {
   bool on = false;
-  double energy = 1e-4;   ///< slow: kinetic energy below this times m g d (d: equal-volume diameter)
-  double time = 1e-2;     ///< for so long, s
-  double balance = 0.1;   ///< then, once the net force is below this times m g, and the torque below this times m g d/2
-  double wake = 0.3;      ///< woken when the net force changed by this times m g (torque: times m g d/2)
+  double energy = 1e-4;  ///< slow: kinetic energy below this times m g d (d: equal-volume diameter)
+  double time = 1e-2;    ///< for so long, s
+  double balance = 0.1;  ///< then, once the net force is below this times m g, and the torque below this times m g d/2
+  double wake = 0.3;     ///< woken when the net force changed by this times m g (torque: times m g d/2)
 };
 
 /// What sleeping remembers; part of a checkpoint.
 struct SleepState {
-  std::vector<double> calm;                ///< how long a body has been slow, s
-  std::vector<Vec3> force, torque;         ///< net, when it fell asleep
-  double energyLetGo = 0;                  ///< kinetic energy taken away so far, J
-  std::uint64_t fallen = 0, woken = 0;     ///< events so far
+  std::vector<double> calm;             ///< how long a body has been slow, s
+  std::vector<Vec3> force, torque;      ///< net, when it fell asleep
+  double energyLetGo = 0;               ///< kinetic energy taken away so far, J
+  std::uint64_t fallen = 0, woken = 0;  ///< events so far
 };
 
 /// Lets bodies fall asleep and wakes them, after the forces of a step are gathered.

@@ -1,4 +1,4 @@
-// Stages of a step that make the contacts: pairs, touches, points, forces.
+// Stages of a step that make the contacts: pairs, touches, points.
 #include <algorithm>
 
 #include "granular/narrow/bullet_manifold.h"
@@ -151,7 +151,8 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
                  chunk.counts, touch)) {
     pair.quietUntil = travel + cache.budget;
     world.pairs.memory.history[at(pair.slot)] = ContactHistory{};
-    if (at(pair.slot) < world.pairs.memory.manifolds.size()) world.pairs.memory.manifolds[at(pair.slot)] = ManifoldMemory{};
+    if (at(pair.slot) < world.pairs.memory.manifolds.size())
+      world.pairs.memory.manifolds[at(pair.slot)] = ManifoldMemory{};
     return;
   }
   // One contact, or several of a manifold.
@@ -211,24 +212,6 @@ void lookAtWallPair(World& world, std::int32_t index, World::Chunk& chunk) {
   }
 }
 
-/// Keeps the history of the spots that still touch, in the order of the pair's contacts, which begin at `first`; new spots
-/// start at zero.
-void matchSpots(std::vector<SpotHistory>& spots, const std::vector<Contact>& contacts, std::size_t first) {
-  std::size_t count = 1;
-  while (first + count < contacts.size() && contacts[first + count].pair == contacts[first].pair) ++count;
-  bool same = spots.size() == count;
-  for (std::size_t k = 0; k < count && same; ++k) same = spots[k].spot == contacts[first + k].spot;
-  if (same) return;
-  std::vector<SpotHistory> matched(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    matched[k].spot = contacts[first + k].spot;
-    for (const SpotHistory& old : spots) {
-      if (old.spot == matched[k].spot) matched[k] = old;
-    }
-  }
-  spots.swap(matched);
-}
-
 }  // namespace
 
 void refreshPairs(double dt, World& world) {
@@ -261,9 +244,9 @@ void findContacts(World& world) {
     World::Chunk& chunk = world.chunks[static_cast<std::size_t>(c)];
     startChunk(chunk);
     const bool atWalls = static_cast<std::size_t>(c) >= world.wallChunkBegin;
-    const Range range = atWalls
-                            ? chunkRange(static_cast<std::size_t>(c) - world.wallChunkBegin, world.activeWallPairs.size())
-                            : chunkRange(static_cast<std::size_t>(c), pairCount);
+    const Range range =
+        atWalls ? chunkRange(static_cast<std::size_t>(c) - world.wallChunkBegin, world.activeWallPairs.size())
+                : chunkRange(static_cast<std::size_t>(c), pairCount);
     const std::size_t rangeOffset = atWalls ? pairCount : 0;
     for (std::size_t p = range.first; p < range.last; ++p) {
       const auto first = static_cast<std::int32_t>(chunk.contacts.size());
@@ -290,93 +273,7 @@ void placeContactPoints(World& world) {
       const std::size_t b = at(contact.b);
       Frame frameB = bodies.frame[b];
       frameB.x += contact.shift;
-      placeContact(rule, *bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB, contact.touch,
-                   contact.patch);
-    }
-  }
-}
-
-void applyForceLaws(double dt, World& world) {
-  const Bodies& bodies = world.bodies;
-  const Law law = lawFunction(world.options.law);
-  const bool localMass = world.options.lawOptions.localMass;
-  const auto bodyAt = [&](std::size_t i, const Vec3& arm) {
-    ContactBody body;
-    body.inverseMass = bodies.inverseMass[i];
-    body.radiusRatio = bodies.radiusRatio[i];
-    body.arm = arm;
-    if (localMass) {
-      const Mat3& R = bodies.frame[i].R;
-      body.inverseInertia = R * bodies.inverseInertia[i].asDiagonal() * R.transpose();
-    }
-    return body;
-  };
-  const bool severalPerPair = world.options.rule.rule == PointRule::manifold;
-  const auto chunks = static_cast<std::int64_t>(world.chunks.size());
-#pragma omp parallel for schedule(dynamic, 4)
-  for (std::int64_t c = 0; c < chunks; ++c) {
-    World::Chunk& chunk = world.chunks[static_cast<std::size_t>(c)];
-    const bool atWalls = static_cast<std::size_t>(c) >= world.wallChunkBegin;
-    std::size_t firstOfPair = 0;
-    for (std::size_t k = 0; k < chunk.contacts.size(); ++k) {
-      Contact& contact = chunk.contacts[k];
-      const std::size_t a = at(contact.a);
-      const Vec3& point = contact.patch.point;
-
-      // Geometry and velocities at t_{n+1}; slip from the half step.
-      ContactMotion motion;
-      const ContactBody bodyA = bodyAt(a, point - bodies.x[a]);
-      ContactBody bodyB;
-      Vec3 velocityB, slipVelocityB, spinB, spinHalfB;
-      std::int32_t materialB = 0;
-      if (atWalls) {
-        const Wall& wall = *world.walls[at(-1 - contact.b)];
-        velocityB = slipVelocityB = wall.motion.velocityAt(point);
-        spinB = spinHalfB = wall.motion.spin;
-        materialB = wall.material;
-      } else {
-        const std::size_t b = at(contact.b);
-        bodyB = bodyAt(b, point - bodies.x[b] - contact.shift);
-        velocityB = bodies.v[b] + bodies.w[b].cross(bodyB.arm);
-        slipVelocityB = bodies.vHalf[b] + bodies.spinHalf[b].cross(bodyB.arm);
-        spinB = bodies.w[b];
-        spinHalfB = bodies.spinHalf[b];
-        materialB = bodies.material[b];
-      }
-      motion.normal = contact.touch.normal;
-      motion.overlap = contact.touch.overlap;
-      motion.velocity = bodies.v[a] + bodies.w[a].cross(bodyA.arm) - velocityB;
-      motion.slip = (bodies.vHalf[a] + bodies.spinHalf[a].cross(bodyA.arm) - slipVelocityB) * dt;
-      motion.spin = bodies.w[a] - spinB;
-      motion.meanSpin = 0.5 * (bodies.w[a] + spinB);
-      motion.share = contact.share;
-      motion.dt = dt;
-      motion.centreArm = contact.patch.centre - point;
-      motion.area = contact.patch.area;
-      motion.u = contact.patch.u;
-      motion.uu = contact.patch.uu;
-      motion.vv = contact.patch.vv;
-      motion.uv = contact.patch.uv;
-      motion.turn = (bodies.spinHalf[a] - spinHalfB) * dt;
-
-      // History of the contact.
-      ContactHistory* history = nullptr;
-      if (atWalls || severalPerPair) {
-        auto& spots = atWalls ? world.pairs.wallPairs[at(contact.pair)].spots
-                              : world.pairs.memory.manifolds[at(world.pairs.pairs[at(contact.pair)].slot)].spots;
-        if (k == 0 || chunk.contacts[k - 1].pair != contact.pair) {
-          firstOfPair = k;
-          matchSpots(spots, chunk.contacts, k);
-        }
-        history = &spots[k - firstOfPair].history;
-      } else {
-        history = &world.pairs.memory.history[at(world.pairs.pairs[at(contact.pair)].slot)];
-      }
-
-      law(world.materials.constants(bodies.material[a], materialB), world.options.lawOptions, bodyA, bodyB, motion,
-          *history, contact.force);
-      contact.torqueA = bodyA.arm.cross(contact.force.force) + contact.force.couple;
-      contact.torqueB = -bodyB.arm.cross(contact.force.force) - contact.force.couple;
+      placeContact(rule, *bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB, contact.touch, contact.patch);
     }
   }
 }
@@ -390,46 +287,6 @@ void holdContact(Contact& contact, World& world) {
   auto& held = world.pairs.memory.held;
   held.resize(world.pairs.memory.cache.size());
   held[at(world.pairs.pairs[at(contact.pair)].slot)] = contact;
-}
-
-void gatherForces(World& world) {
-  Bodies& bodies = world.bodies;
-  const std::size_t pairCount = world.activePairs.size();
-  const auto n = static_cast<std::int64_t>(bodies.size());
-#pragma omp parallel for schedule(static)
-  for (std::int64_t ii = 0; ii < n; ++ii) {
-    const auto i = static_cast<std::size_t>(ii);
-    const bool asleep = bodies.state[i] == BodyState::asleep;
-    // A sleeper that nothing moving is near keeps its force; a frozen body needs none.
-    if (!bodies.moves(i) && (!asleep || world.incidenceBegin[i] == world.incidenceBegin[i + 1])) continue;
-    Vec3 force = bodies.mass[i] * world.options.gravity;
-    Vec3 torque = Vec3::Zero();
-    if (asleep) {
-      force += world.heldForce[i];
-      torque += world.heldTorque[i];
-    }
-    for (std::int32_t e = world.incidenceBegin[i]; e < world.incidenceBegin[i + 1]; ++e) {
-      const World::Incidence& link = world.incidence[at(e)];
-      const bool atWall = link.active < 0;
-      const std::size_t p = atWall ? at(-1 - link.active) : at(link.active);
-      const World::ContactRange& range = world.contactsOfPair[atWall ? pairCount + p : p];
-      if (range.count == 0) continue;
-      const std::size_t chunk = p / World::chunkSize + (atWall ? world.wallChunkBegin : 0);
-      for (std::int32_t k = range.first; k < range.first + range.count; ++k) {
-        const Contact& contact = world.chunks[chunk].contacts[at(k)];
-        force += link.isB ? -contact.force.force : contact.force.force;
-        torque += link.isB ? contact.torqueB : contact.torqueA;
-      }
-    }
-    bodies.force[i] = force;
-    bodies.torque[i] = torque;
-  }
-
-  // Walls are few: their sums run over all their contacts in order.
-  world.wallForces.assign(world.walls.size(), Vec3::Zero());
-  for (std::size_t c = world.wallChunkBegin; c < world.chunks.size(); ++c) {
-    for (const Contact& contact : world.chunks[c].contacts) world.wallForces[at(-1 - contact.b)] -= contact.force.force;
-  }
 }
 
 }  // namespace granular

@@ -45,15 +45,19 @@ void moveWalls(double /*dt*/, World& /*world*/) {}
 
 void predict(double dt, const WorldOptions& options, Bodies& bodies) {
   switch (options.integrator) {
-    case SchemeKind::seelen: return predictBodies<seelen::predictRotation>(dt, bodies);
-    case SchemeKind::spiral: return predictBodies<spiral::predictRotation>(dt, bodies);
+    case SchemeKind::seelen:
+      return predictBodies<seelen::predictRotation>(dt, bodies);
+    case SchemeKind::spiral:
+      return predictBodies<spiral::predictRotation>(dt, bodies);
   }
 }
 
 void advance(double dt, const WorldOptions& options, Bodies& bodies) {
   switch (options.integrator) {
-    case SchemeKind::seelen: return advanceBodies<seelen::advanceRotation>(dt, bodies);
-    case SchemeKind::spiral: return advanceBodies<spiral::advanceRotation>(dt, bodies);
+    case SchemeKind::seelen:
+      return advanceBodies<seelen::advanceRotation>(dt, bodies);
+    case SchemeKind::spiral:
+      return advanceBodies<spiral::advanceRotation>(dt, bodies);
   }
 }
 

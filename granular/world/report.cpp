@@ -5,13 +5,13 @@
 namespace granular {
 
 std::string_view stageName(Stage stage) {
-  constexpr std::array<std::string_view, stageCount> names{"walls", "predict", "search", "contacts", "points",
+  constexpr std::array<std::string_view, stageCount> names{"walls", "predict", "search",  "contacts", "points",
                                                            "laws",  "gather",  "advance", "watch"};
   return names[static_cast<std::size_t>(stage)];
 }
 
 std::string describe(const Trouble& trouble) {
-  const std::string who = trouble.bodyB >= 0      ? fmt::format("bodies {} and {}", trouble.bodyA, trouble.bodyB)
+  const std::string who = trouble.bodyB >= 0     ? fmt::format("bodies {} and {}", trouble.bodyA, trouble.bodyB)
                           : trouble.wall.empty() ? fmt::format("body {}", trouble.bodyA)
                                                  : fmt::format("body {} and wall '{}'", trouble.bodyA, trouble.wall);
   switch (trouble.kind) {

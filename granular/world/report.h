@@ -18,23 +18,23 @@ std::string_view stageName(Stage stage);
 struct Trouble {
   enum class Kind { nonFinite, deepOverlap, tooFast, uncertified, escaped };
   Kind kind = Kind::nonFinite;
-  double time = 0;            ///< s
-  std::int64_t bodyA = -1;    ///< ids; -1: none
+  double time = 0;          ///< s
+  std::int64_t bodyA = -1;  ///< ids; -1: none
   std::int64_t bodyB = -1;
-  std::string wall;           ///< name of the wall, if one is part of it
-  double value = 0;           ///< overlap over size, or speed in m/s
+  std::string wall;  ///< name of the wall, if one is part of it
+  double value = 0;  ///< overlap over size, or speed in m/s
 };
 std::string describe(const Trouble& trouble);
 
 struct Report {
-  NarrowCounts narrow;                 ///< the contact certificate, summed over the run
-  double deepestOverlap = 0;           ///< over the smaller body's size, largest of the run
-  double deepestTime = 0;              ///< s
+  NarrowCounts narrow;                        ///< the contact certificate, summed over the run
+  double deepestOverlap = 0;                  ///< over the smaller body's size, largest of the run
+  double deepestTime = 0;                     ///< s
   std::int64_t deepestA = -1, deepestB = -1;  ///< ids
-  std::uint64_t contactSteps = 0;      ///< contacts summed over steps
-  std::uint64_t bodySteps = 0;         ///< moving bodies summed over steps
+  std::uint64_t contactSteps = 0;             ///< contacts summed over steps
+  std::uint64_t bodySteps = 0;                ///< moving bodies summed over steps
   std::array<double, stageCount> seconds{};
-  std::vector<Trouble> troubles;       ///< the first few of each kind
+  std::vector<Trouble> troubles;  ///< the first few of each kind
   std::array<std::uint64_t, 5> troubleCounts{};
 };
 

@@ -44,7 +44,7 @@ void step(World& world, double dt) {
   advance(dt, world.options, world.bodies);  // half-step velocities, q
   timer.lap(Stage::advance);
   letSleep(dt, world);  // only if the scene asks for it
-  watch(world);  // non-finite, deep overlap
+  watch(world);         // non-finite, deep overlap
   timer.lap(Stage::watch);
   world.time += dt;
   ++world.steps;

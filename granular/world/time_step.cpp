@@ -41,8 +41,8 @@ Compliance complianceOf(const Shape& shape) {
     result.worst = std::max(result.worst, g);
     result.mean += g / samples;
   }
-  // A patch rocks about an axis with the second moment of its area, k <s^2>/I. For a cube on its face that is half of 1/m, and
-  // slender bodies keep the ratio: both s and I are measured across the axis.
+  // A patch rocks about an axis with the second moment of its area, k <s^2>/I. For a cube on its face that is half of
+  // 1/m, and slender bodies keep the ratio: both s and I are measured across the axis.
   const double rocking = 0.5 / unit.volume;
   result.mean += rocking;
   result.worst = std::max(result.worst, 1 / unit.volume + 2 * rocking);
@@ -118,7 +118,8 @@ TimeStepBound boundOfContacts(const World& world) {
       if (index < 0 || body.inverseMass == 0) return;
       const Vec3 lever = body.arm.cross(n);
       const double rocking = (contact.patch.uu + contact.patch.vv) * body.inverseInertia.diagonal().maxCoeff();
-      rates[static_cast<std::size_t>(index)].add(stiffness, body.inverseMass + lever.dot(body.inverseInertia * lever) + rocking);
+      rates[static_cast<std::size_t>(index)].add(stiffness,
+                                                 body.inverseMass + lever.dot(body.inverseInertia * lever) + rocking);
     };
     addTo(contact.a, bodyA);
     addTo(contact.b, bodyB);
@@ -129,7 +130,8 @@ TimeStepBound boundOfContacts(const World& world) {
       result.body = fmt::format("body {} ({})", bodies.id[i], bodies.shape[i]->describe());
     }
   }
-  result.explanation = fmt::format("largest stable step with the present contacts {:.3g} s, set by {}", result.bound, result.body);
+  result.explanation =
+      fmt::format("largest stable step with the present contacts {:.3g} s, set by {}", result.bound, result.body);
   return result;
 }
 

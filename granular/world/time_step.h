@@ -1,10 +1,10 @@
 // The stable time step, from the stiffest motion the contacts allow rather than from habit. (design 1.3)
 //
-// A contact with stiffness k and arm r gives a body of mass m and inertia I the rate k g, g = 1/m + (r x n).I^-1 (r x n);
-// a patch adds its rocking stiffness k <s^2>/I. Several contacts add up, and in the worst case the neighbours move in
-// antiphase: omega^2 <= 2 sum k g. With the velocity predicted from the half step, the damped oscillator of damping ratio z
-// is stable up to omega dt = 2 (sqrt(1 + 4 z^2) - 2 z): 2 undamped, .72 at z = .6, .40 at z = 1.2 (its amplification factor
-// reaches -1 there).
+// A contact with stiffness k and arm r gives a body of mass m and inertia I the rate k g, g = 1/m + (r x n).I^-1 (r x
+// n); a patch adds its rocking stiffness k <s^2>/I. Several contacts add up, and in the worst case the neighbours move
+// in antiphase: omega^2 <= 2 sum k g. With the velocity predicted from the half step, the damped oscillator of damping
+// ratio z is stable up to omega dt = 2 (sqrt(1 + 4 z^2) - 2 z): 2 undamped, .72 at z = .6, .40 at z = 1.2 (its
+// amplification factor reaches -1 there).
 #pragma once
 
 #include <string>
@@ -14,10 +14,10 @@
 namespace granular {
 
 struct TimeStepBound {
-  double bound = infinity;      ///< largest stable step, s
-  double contactTime = infinity;///< shortest S 14 contact time of any pair that may meet, s
-  std::string body;             ///< the body that decides, described
-  std::string explanation;      ///< one line for the user
+  double bound = infinity;        ///< largest stable step, s
+  double contactTime = infinity;  ///< shortest S 14 contact time of any pair that may meet, s
+  std::string body;               ///< the body that decides, described
+  std::string explanation;        ///< one line for the user
 };
 
 /// A kind of body that will take part.
@@ -27,8 +27,8 @@ struct BodyKind {
   double density;  ///< kg/m^3
 };
 
-/// Before a run: the bodies that will take part, with `contactsAssumed` contacts at once, one of them at the shape's worst
-/// place and the others at average places.
+/// Before a run: the bodies that will take part, with `contactsAssumed` contacts at once, one of them at the shape's
+/// worst place and the others at average places.
 TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialTable& materials, const LawOptions& law,
                              int contactsAssumed = 8);
 

@@ -55,11 +55,17 @@ void watch(World& world) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (!bodies.moves(i)) continue;
     ++report.bodySteps;
-    const double square = bodies.v[i].squaredNorm() + bodies.w[i].squaredNorm() * bodies.boundingRadius[i] * bodies.boundingRadius[i];
+    const double square =
+        bodies.v[i].squaredNorm() + bodies.w[i].squaredNorm() * bodies.boundingRadius[i] * bodies.boundingRadius[i];
     if (square <= limit) continue;
     const bool finite = std::isfinite(square);
-    addTrouble({finite ? Trouble::Kind::tooFast : Trouble::Kind::nonFinite, world.time, bodies.id[i], -1, {},
-                std::sqrt(square)}, report);
+    addTrouble({finite ? Trouble::Kind::tooFast : Trouble::Kind::nonFinite,
+                world.time,
+                bodies.id[i],
+                -1,
+                {},
+                std::sqrt(square)},
+               report);
   }
 }
 

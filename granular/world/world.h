@@ -32,12 +32,12 @@ struct WorldOptions {
   LawOptions lawOptions;
   SchemeKind integrator = SchemeKind::seelen;
   Periods periods;
-  double skin = 0.1;          ///< of the search, in equal-volume radii
-  bool bruteForce = false;    ///< the oracle of the broad phase
+  double skin = 0.1;        ///< of the search, in equal-volume radii
+  bool bruteForce = false;  ///< the oracle of the broad phase
   Skips skips;
   SleepOptions sleep;
   double deepOverlap = 0.08;  ///< overlaps above this times the smaller size are reported as trouble
-  double maxSpeed = 1e5; ///< surface speeds above this are reported as trouble, m/s
+  double maxSpeed = 1e5;      ///< surface speeds above this are reported as trouble, m/s
 };
 
 struct World {
@@ -49,22 +49,22 @@ struct World {
   Bodies bodies;
   std::vector<std::unique_ptr<Wall>> walls;
 
-  double time = 0;          ///< of t_n, s
-  std::int64_t steps = 0;   ///< taken so far
-  double wallTravel = 0;    ///< bound on the way of any wall surface so far, m
+  double time = 0;         ///< of t_n, s
+  std::int64_t steps = 0;  ///< taken so far
+  double wallTravel = 0;   ///< bound on the way of any wall surface so far, m
 
   PairList pairs;
   Search search;
   SleepState sleep;
   std::int64_t nextId = 0;
 
-  /// Contacts of the present step, in chunks of consecutive pairs: each chunk is one thread's work, and the chunks do not
-  /// depend on the number of threads. Bodies' chunks first, then the walls'.
+  /// Contacts of the present step, in chunks of consecutive pairs: each chunk is one thread's work, and the chunks do
+  /// not depend on the number of threads. Bodies' chunks first, then the walls'.
   struct Chunk {
     std::vector<Contact> contacts;
     NarrowCounts counts;
-    double deepest = 0;               ///< largest overlap over size in this chunk
-    std::int32_t deepestContact = -1; ///< index in contacts
+    double deepest = 0;                ///< largest overlap over size in this chunk
+    std::int32_t deepestContact = -1;  ///< index in contacts
     std::vector<WallTouch> wallTouches;
   };
   std::vector<Chunk> chunks;
@@ -99,8 +99,8 @@ struct World {
   /// Removes the marked slots with their pairs.
   void removeBodies(const std::vector<bool>& gone);
 
-  /// Calls visit(const Contact&) for every contact of the last step in the order of the pairs, then for those held between
-  /// bodies at rest.
+  /// Calls visit(const Contact&) for every contact of the last step in the order of the pairs, then for those held
+  /// between bodies at rest.
   template <class Visitor>
   void visitContacts(Visitor&& visit) const {
     for (const Chunk& chunk : chunks) {
@@ -128,8 +128,8 @@ void wakeAll(World& world);
 /// One time step of dt seconds: from t_n to t_{n+1}.
 void step(World& world, double dt);
 
-/// Starts the half steps of the bodies from slot `first` on, from their state at t_n: for new bodies, and for all after a
-/// change of dt. withContacts: from the forces of the contacts at t_n; otherwise from gravity alone. No time passes.
+/// Starts the half steps of the bodies from slot `first` on, from their state at t_n: for new bodies, and for all after
+/// a change of dt. withContacts: from the forces of the contacts at t_n; otherwise from gravity alone. No time passes.
 void startHalfSteps(World& world, double dt, std::size_t first, bool withContacts);
 
 }  // namespace granular

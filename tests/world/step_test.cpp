@@ -109,7 +109,8 @@ std::size_t compareWithFreshSearch(const World& world) {
       WarmCache cache;
       NarrowCounts counts;
       Touch touch{Vec3::Zero(), 0, Vec3::Zero(), Vec3::Zero()};
-      if (near) findTouch(*bodies.shape[i], bodies.frame[i], *bodies.shape[j], bodies.frame[j], true, cache, counts, touch);
+      if (near)
+        findTouch(*bodies.shape[i], bodies.frame[i], *bodies.shape[j], bodies.frame[j], true, cache, counts, touch);
       const double size = std::min(bodies.shape[i]->size(), bodies.shape[j]->size());
       // A pair within round-off of touching may be called either way: its force is nothing.
       const double overlap = known == found.end() ? 0 : known->second;

@@ -1,0 +1,170 @@
+// Stages of a step that make forces of contacts: the law of each, and the sum on each body.
+#include "granular/world/stages.h"
+
+namespace granular {
+namespace {
+
+std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+
+/// Keeps the history of the spots that still touch, in the order of the pair's contacts, which begin at `first`; new
+/// spots start at zero.
+void matchSpots(std::vector<SpotHistory>& spots, const std::vector<Contact>& contacts, std::size_t first) {
+  std::size_t count = 1;
+  while (first + count < contacts.size() && contacts[first + count].pair == contacts[first].pair) ++count;
+  bool same = spots.size() == count;
+  for (std::size_t k = 0; k < count && same; ++k) same = spots[k].spot == contacts[first + k].spot;
+  if (same) return;
+  std::vector<SpotHistory> matched(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    matched[k].spot = contacts[first + k].spot;
+    for (const SpotHistory& old : spots) {
+      if (old.spot == matched[k].spot) matched[k] = old;
+    }
+  }
+  spots.swap(matched);
+}
+
+/// What a law reads of body i at a contact with this arm.
+ContactBody viewBody(const Bodies& bodies, std::size_t i, const Vec3& arm, bool localMass) {
+  ContactBody body;
+  body.inverseMass = bodies.inverseMass[i];
+  body.radiusRatio = bodies.radiusRatio[i];
+  body.arm = arm;
+  if (localMass) {
+    const Mat3& R = bodies.frame[i].R;
+    body.inverseInertia = R * bodies.inverseInertia[i].asDiagonal() * R.transpose();
+  }
+  return body;
+}
+
+/// Both parties of a contact and how they move.
+struct Encounter {
+  ContactBody a, b;
+  std::int32_t materialA = 0, materialB = 0;
+  ContactMotion motion;
+};
+
+/// Geometry and velocities at t_{n+1}; slip and turn from the half step.
+Encounter meet(const World& world, const Contact& contact, double dt) {
+  const Bodies& bodies = world.bodies;
+  const bool localMass = world.options.lawOptions.localMass;
+  const std::size_t a = at(contact.a);
+  const Vec3& point = contact.patch.point;
+  Encounter met;
+  met.a = viewBody(bodies, a, point - bodies.x[a], localMass);
+  met.materialA = bodies.material[a];
+
+  // The other party: a body's image, or a wall.
+  Vec3 velocityB, slipVelocityB, spinB, spinHalfB;
+  if (contact.b < 0) {
+    const Wall& wall = *world.walls[at(-1 - contact.b)];
+    velocityB = slipVelocityB = wall.motion.velocityAt(point);
+    spinB = spinHalfB = wall.motion.spin;
+    met.materialB = wall.material;
+  } else {
+    const std::size_t b = at(contact.b);
+    met.b = viewBody(bodies, b, point - bodies.x[b] - contact.shift, localMass);
+    velocityB = bodies.v[b] + bodies.w[b].cross(met.b.arm);
+    slipVelocityB = bodies.vHalf[b] + bodies.spinHalf[b].cross(met.b.arm);
+    spinB = bodies.w[b];
+    spinHalfB = bodies.spinHalf[b];
+    met.materialB = bodies.material[b];
+  }
+
+  ContactMotion& motion = met.motion;
+  motion.normal = contact.touch.normal;
+  motion.overlap = contact.touch.overlap;
+  motion.velocity = bodies.v[a] + bodies.w[a].cross(met.a.arm) - velocityB;
+  motion.slip = (bodies.vHalf[a] + bodies.spinHalf[a].cross(met.a.arm) - slipVelocityB) * dt;
+  motion.spin = bodies.w[a] - spinB;
+  motion.meanSpin = 0.5 * (bodies.w[a] + spinB);
+  motion.turn = (bodies.spinHalf[a] - spinHalfB) * dt;
+  motion.share = contact.share;
+  motion.dt = dt;
+  motion.centreArm = contact.patch.centre - point;
+  motion.area = contact.patch.area;
+  motion.u = contact.patch.u;
+  motion.uu = contact.patch.uu;
+  motion.vv = contact.patch.vv;
+  motion.uv = contact.patch.uv;
+  return met;
+}
+
+/// The history of contact k of a chunk. firstOfPair: index of the first contact of its pair, kept from call to call.
+ContactHistory& findHistory(World& world, const World::Chunk& chunk, std::size_t k, std::size_t& firstOfPair) {
+  const Contact& contact = chunk.contacts[k];
+  const bool atWall = contact.b < 0;
+  PairMemory& memory = world.pairs.memory;
+  if (!atWall && world.options.rule.rule != PointRule::manifold) {
+    return memory.history[at(world.pairs.pairs[at(contact.pair)].slot)];
+  }
+  auto& spots = atWall ? world.pairs.wallPairs[at(contact.pair)].spots
+                       : memory.manifolds[at(world.pairs.pairs[at(contact.pair)].slot)].spots;
+  if (k == 0 || chunk.contacts[k - 1].pair != contact.pair) {
+    firstOfPair = k;
+    matchSpots(spots, chunk.contacts, k);
+  }
+  return spots[k - firstOfPair].history;
+}
+
+}  // namespace
+
+void applyForceLaws(double dt, World& world) {
+  const Law law = lawFunction(world.options.law);
+  const auto chunks = static_cast<std::int64_t>(world.chunks.size());
+#pragma omp parallel for schedule(dynamic, 4)
+  for (std::int64_t c = 0; c < chunks; ++c) {
+    World::Chunk& chunk = world.chunks[static_cast<std::size_t>(c)];
+    std::size_t firstOfPair = 0;
+    for (std::size_t k = 0; k < chunk.contacts.size(); ++k) {
+      Contact& contact = chunk.contacts[k];
+      const Encounter met = meet(world, contact, dt);
+      law(world.materials.constants(met.materialA, met.materialB), world.options.lawOptions, met.a, met.b, met.motion,
+          findHistory(world, chunk, k, firstOfPair), contact.force);
+      contact.torqueA = met.a.arm.cross(contact.force.force) + contact.force.couple;
+      contact.torqueB = -met.b.arm.cross(contact.force.force) - contact.force.couple;
+    }
+  }
+}
+
+void gatherForces(World& world) {
+  Bodies& bodies = world.bodies;
+  const std::size_t pairCount = world.activePairs.size();
+  const auto n = static_cast<std::int64_t>(bodies.size());
+#pragma omp parallel for schedule(static)
+  for (std::int64_t ii = 0; ii < n; ++ii) {
+    const auto i = static_cast<std::size_t>(ii);
+    const bool asleep = bodies.state[i] == BodyState::asleep;
+    // A sleeper that nothing moving is near keeps its force; a frozen body needs none.
+    if (!bodies.moves(i) && (!asleep || world.incidenceBegin[i] == world.incidenceBegin[i + 1])) continue;
+    Vec3 force = bodies.mass[i] * world.options.gravity;
+    Vec3 torque = Vec3::Zero();
+    if (asleep) {
+      force += world.heldForce[i];
+      torque += world.heldTorque[i];
+    }
+    for (std::int32_t e = world.incidenceBegin[i]; e < world.incidenceBegin[i + 1]; ++e) {
+      const World::Incidence& link = world.incidence[at(e)];
+      const bool atWall = link.active < 0;
+      const std::size_t p = atWall ? at(-1 - link.active) : at(link.active);
+      const World::ContactRange& range = world.contactsOfPair[atWall ? pairCount + p : p];
+      if (range.count == 0) continue;
+      const std::size_t chunk = p / World::chunkSize + (atWall ? world.wallChunkBegin : 0);
+      for (std::int32_t k = range.first; k < range.first + range.count; ++k) {
+        const Contact& contact = world.chunks[chunk].contacts[at(k)];
+        force += link.isB ? -contact.force.force : contact.force.force;
+        torque += link.isB ? contact.torqueB : contact.torqueA;
+      }
+    }
+    bodies.force[i] = force;
+    bodies.torque[i] = torque;
+  }
+
+  // Walls are few: their sums run over all their contacts in order.
+  world.wallForces.assign(world.walls.size(), Vec3::Zero());
+  for (std::size_t c = world.wallChunkBegin; c < world.chunks.size(); ++c) {
+    for (const Contact& contact : world.chunks[c].contacts) world.wallForces[at(-1 - contact.b)] -= contact.force.force;
+  }
+}
+
+}  // namespace granular
