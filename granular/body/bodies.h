@@ -1,5 +1,5 @@
 // The bodies, as a structure of arrays: what the force loop reads each step apart from what it reads rarely.
-// Index = slot in spatial order; id = the stable number a user and a checkpoint know. (design 2.5)
+// Index = slot in spatial order; id = the stable number a user and a checkpoint know.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Schemes of motion behind one signature, for one body at a time (design: S equation 1 and its reference 25).
+// Schemes of motion behind one signature, for one body at a time (S equation 1 and its reference 25).
 // A step is predict (half-step memory -> state at t_{n+1}, which the contact law reads), one force and torque, and
 // advance (-> memory of the next half step). Every scheme must be started from (x_0, v_0, q_0, w_0): without the half
 // step it falls to first order. A change of dt is a new start from the state at t_n; single pairs are never

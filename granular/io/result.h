@@ -19,7 +19,7 @@ namespace granular {
 struct RunResult {
   std::string name;     ///< of the scene
   std::string version;  ///< of the library
-  std::string outcome;  ///< "rested", "time limit", "interrupted", "trouble", ...
+  std::string outcome;  ///< runEndName(): "rested", "not at rest in the time given", ...
   std::uint64_t seed = 0;
   int threads = 0;
 
@@ -27,7 +27,7 @@ struct RunResult {
   double dt = 0;             ///< s
   double simulated = 0;      ///< s
   double wall = 0;           ///< s, of the stepping and all that belongs to it
-  double particleSteps = 0;  ///< sum over steps of the particles then present
+  double particleSteps = 0;  ///< sum over steps of the particles then moving
 
   std::optional<double> solidOverall, solidNearWall, solidCore;
   std::optional<double> fillingHeight;  ///< m

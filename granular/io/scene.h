@@ -100,13 +100,13 @@ struct ParticleSettings {
   Vec3 halfLengths = Vec3::Zero();  ///< cuboid, m
   std::vector<Vec3> vertices;       ///< polyhedron, m
 
-  // mesh: each particle takes one of the files in turn.
+  // mesh: each particle takes one of the files, drawn at random.
   std::vector<std::filesystem::path> files;  ///< absolute
   double unit = 1;                           ///< m per unit of the file
   std::optional<Interval>
       extent;  ///< scaled so that the longest extent falls uniformly in it, m; not given: as the file says
   std::int64_t maxVertices = 60;  ///< of the hull
-  Use use = Use::hull;            ///< exact: the mesh must be closed and convex
+  Use use = Use::hull;            ///< exact: full hull for contacts, mass of the mesh, which must be closed
 
   // sand: points spread on a template, their hull (S section 8).
   Template sandTemplate = Template::sphere;
@@ -117,7 +117,7 @@ struct ParticleSettings {
   // woodchip: hull of four points on a circle at either end (S section 8).
   Interval length{5e-3, 7e-3}, thinRadius{0.4e-3, 0.7e-3}, thickRadius{1.0e-3, 1.3e-3};  ///< m
 
-  std::int64_t variants = 0;  ///< sand, woodchip, mesh with extent: different shapes made; 0: each particle its own
+  std::int64_t variants = 0;  ///< sand, woodchip: different shapes made; 0: each particle its own
   std::int64_t count = 0;     ///< particles; 0: by share
   double share = 0;           ///< part of insertion.count, by number
   std::string material;       ///< empty: the first material
@@ -223,7 +223,7 @@ struct Scene {
   int materialIndex(const std::string& material) const;
 };
 
-/// What a scene can skip (design 2.4), as `skip` and --skip name it.
+/// What a scene can skip, as `skip` and --skip name it.
 inline constexpr std::string_view skipNames[] = {"broad_phase", "gjk", "epa", "sleep"};
 
 }  // namespace granular

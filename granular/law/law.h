@@ -37,7 +37,7 @@ struct ContactBody {
 };
 
 /// Kinematics of one contact at t_n. Velocities handed to dashpots are those at t_n; the increment of the tangential
-/// spring is the half-step velocity times dt (design 1.3).
+/// spring is the half-step velocity times dt.
 struct ContactMotion {
   Vec3 normal;         ///< unit, A to B
   double overlap = 0;  ///< m
@@ -83,7 +83,7 @@ Law lawFunction(LawKind kind);
 LawKind lawFromName(std::string_view name);
 std::string_view lawName(LawKind kind);
 
-/// Effective coefficients of one contact, for the bound on the time step (S 13-16; design 1.3).
+/// Effective coefficients of one contact, for the bound on the time step (S 13-16).
 struct ContactStiffness {
   double normal = 0, tangential = 0;                ///< N/m
   double dampingNormal = 0, dampingTangential = 0;  ///< kg/s

@@ -1,4 +1,4 @@
-// The narrow phase: do two placed convex shapes touch, how deep, along which normal? (design: S sections 4 and 5.1)
+// The narrow phase: do two placed convex shapes touch, how deep, along which normal? (S sections 4 and 5.1)
 // The overlap of a pair is the least depth over all directions: min over unit n of h(n) = s_A(n).n - s_B(-n).n.
 #pragma once
 

@@ -1,5 +1,5 @@
 // The pairs whose bounds are near: light entries in key order, and the heavier memory of each pair in stable slots, so
-// that a new search moves only the entries. (design 2.5)
+// that a new search moves only the entries.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// What a packing leaves behind: analysis, tables, result.json, frames, surfaces, plots and a picture.
+// What a packing leaves behind: analysis, tables, result.json, frames and surfaces.
 #pragma once
 
 #include <filesystem>

@@ -20,7 +20,7 @@ Region makeRegion(const Scene& scene);
 /// The vessel as the analysis sees it.
 Vessel makeVessel(const Scene& scene);
 
-/// One line: what this scene skips, and why it may. (design 2.4)
+/// One line: what this scene skips, and why it may.
 std::string describeSkips(const Scene& scene);
 
 }  // namespace granular

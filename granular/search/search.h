@@ -1,4 +1,4 @@
-// Verlet lists: which pairs may touch before any surface has used up its share of the skin. (design 2.4, first row)
+// Verlet lists: which pairs may touch before any surface has used up its share of the skin.
 #pragma once
 
 #include <memory>

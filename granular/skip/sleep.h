@@ -1,5 +1,5 @@
 // Sleeping: a body that has been slow for a stated time is taken out of the motion at a moment when its forces balance;
-// it wakes when the force on it differs from the force when it fell asleep by more than a bound. (design 2.4) The whole
+// it wakes when the force on it differs from the force when it fell asleep by more than a bound. The whole
 // bed is one island: each body decides for itself.
 #pragma once
 

@@ -1,5 +1,5 @@
 // How the spots of one wall share its stiffness. A flat face of a particle meets a concave wall at several spots; each
-// is a contact of its own, but together they must be as stiff as k_n. (design 1.4)
+// is a contact of its own, but together they must be as stiff as k_n.
 #pragma once
 
 #include <span>

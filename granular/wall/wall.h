@@ -1,4 +1,4 @@
-// Walls: geometry of the boundaries, each a list of contacts for a placed shape. (design 1.4)
+// Walls: geometry of the boundaries, each a list of contacts for a placed shape.
 #pragma once
 
 #include <memory>

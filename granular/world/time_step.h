@@ -1,4 +1,4 @@
-// The stable time step, from the stiffest motion the contacts allow rather than from habit. (design 1.3)
+// The stable time step, from the stiffest motion the contacts allow rather than from habit.
 //
 // A contact with stiffness k and arm r gives a body of mass m and inertia I the rate k g, g = 1/m + (r x n).I^-1 (r x
 // n); a patch adds its rocking stiffness k <s^2>/I. Several contacts add up, and in the worst case the neighbours move

@@ -18,9 +18,9 @@
 
 namespace granular {
 
-/// What a run may leave out; every switch changes speed and nothing else. (design 2.4)
+/// What a run may leave out; every switch changes speed, and the answers by no more than round-off.
 struct Skips {
-  bool search = true;      ///< broad phase only after half a skin of motion
+  bool search = true;      ///< broad phase only once a surface may have left its grown bounds
   bool separation = true;  ///< pairs proven apart by a gap are not looked at until it may be closed
   bool feature = true;     ///< the last contact feature is verified instead of searched
 };
