@@ -147,10 +147,10 @@ struct InsertionSettings {
 struct SettleSettings {
   enum class Kind { none, freeze, sleep };
   Kind kind = Kind::none;
-  double energy = 1e-4;   ///< sleep: slow is a kinetic energy below this times m g d
-  double balance = 0.1;   ///< sleep: taken out when the net force is below this times m g
-  double time = 1e-2;     ///< sleep: for so long, s
-  double wake = 0.3;      ///< sleep: woken when the net force differs from that at sleep by this times m g
+  double energy = 1e-4;  ///< sleep: slow is a kinetic energy below this times m g d
+  double balance = 0.1;  ///< sleep: taken out when the net force is below this times m g
+  double time = 1e-2;    ///< sleep: for so long, s
+  double wake = 0.3;     ///< sleep: woken when the net force differs from that at sleep by this times m g
 };
 
 /// When the run is over.
