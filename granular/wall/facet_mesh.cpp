@@ -359,6 +359,10 @@ void orderTriangles(FacetMesh& mesh) {
   arrange(mesh.triangleFacet);
   arrange(mesh.triangleRidges);
   arrange(mesh.triangleCorners);
+
+  std::vector<int> count(mesh.facets.size());
+  for (std::int32_t facet : mesh.triangleFacet) ++count[at(facet)];
+  for (int n : count) mesh.facetIsConvex.push_back(n == 1);
 }
 
 }  // namespace

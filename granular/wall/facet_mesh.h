@@ -38,6 +38,7 @@ struct FacetMesh {
   std::vector<std::array<std::int32_t, 3>> triangles;  ///< ordered by facet
   std::vector<std::int32_t> triangleFacet;
   std::vector<Plane> facets;
+  std::vector<std::uint8_t> facetIsConvex;  ///< known to be: a facet of a single triangle
   std::vector<Ridge> ridges;
   std::vector<Corner> corners;             ///< those that can touch
   std::vector<std::int32_t> cornerRidges;  ///< ridges that meet at each corner, CSR

@@ -23,6 +23,10 @@
 
 namespace granular {
 
+/// How far beyond the body's bounds triangles are looked for, relative to its bounding radius: the foot of a deepest
+/// point lies up to one overlap outside.
+inline constexpr double reach = 0.1;
+
 /// The depth of a body below the infinite line of a convex ridge. Normals point out of the wall.
 struct RidgeDepth {
   std::int32_t ridge;

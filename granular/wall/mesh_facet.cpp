@@ -34,29 +34,44 @@ bool isOverTriangle(const FacetQuery& f, std::int32_t triangle, const Vec3& p) {
   return true;
 }
 
-/// True if the deepest point lies over the facet, or beyond a concave ridge of it and below the neighbour as well.
+/// True if the solid goes on below the neighbour beyond a concave ridge, as far down as the deepest point: it lies
+/// below the neighbour's plane as well, and over the neighbour or beyond its side of the ridge too.
+bool goesOnBeyond(const FacetQuery& f, const Ridge& ridge) {
+  if (ridge.convex) return false;
+  const double slack = tolerance::tie * f.query.mesh.extent;
+  const bool isLeft = ridge.left == f.facet;
+  const std::int32_t other = isLeft ? ridge.right : ridge.left;
+  const Plane& plane = f.query.mesh.facets[at(other)];
+  if (plane.depth(f.deepest) < -slack) return false;
+  const Vec3& inwards = isLeft ? ridge.intoRight : ridge.intoLeft;
+  if (inwards.dot(f.deepest - f.query.mesh.vertices[at(ridge.a)]) <= slack) return true;
+  const FacetQuery there{f.query, other, {}, plane, f.deepest, 0};
+  return std::any_of(f.query.triangles.begin(), f.query.triangles.end(), [&](std::int32_t t) {
+    return f.query.mesh.triangleFacet[at(t)] == other && isOverTriangle(there, t, f.deepest);
+  });
+}
+
+/// True if the deepest point lies over the facet, or beyond concave ridges of it, under the neighbours.
 bool isOverFacet(const FacetQuery& f) {
   for (std::int32_t t : f.triangles)
     if (isOverTriangle(f, t, f.deepest)) return true;
 
-  // The nearest stretch of the rim decides.
+  // The nearest stretch of the rim decides; at a corner, every stretch that the point lies beyond.
   const Vec3 p = f.deepest + f.depth * f.plane.normal;
   const double slack = tolerance::tie * f.query.mesh.extent;
-  double nearest = infinity;
+  double nearest = reach * f.query.shape.boundingRadius();
   bool over = false;
   for (std::int32_t t : f.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int32_t number = f.query.mesh.triangleRidges[at(t)][k];
       if (number < 0) continue;
       const Vec3 a = f.corner(t, k), along = f.corner(t, (k + 1) % 3) - a;
+      if (f.plane.normal.cross(along).dot(p - a) > -slack * along.norm()) continue;
       const double s = std::clamp(along.dot(p - a) / along.squaredNorm(), 0.0, 1.0);
       const double distance = (p - a - s * along).norm();
       if (distance > nearest + slack) continue;
-      const Ridge& ridge = f.query.mesh.ridges[at(number)];
-      const bool under =
-          !ridge.convex &&
-          f.query.mesh.facets[at(ridge.left == f.facet ? ridge.right : ridge.left)].depth(f.deepest) >= -slack;
-      over = distance < nearest - slack ? under : over || under;
+      const bool under = goesOnBeyond(f, f.query.mesh.ridges[at(number)]);
+      over = distance < nearest - slack ? under : over && under;
       nearest = std::min(nearest, distance);
     }
   return over;
@@ -73,7 +88,8 @@ struct FacetPart {
 /// The convex ridges of the facet that the body reaches: is there any, and how deep is the body below their wedges?
 struct RimCheck {
   bool near = false;
-  double least = infinity;  ///< m
+  double least = infinity;  ///< of the wedges on whose inner side the part lies, m
+  double any = infinity;    ///< of all, m
 };
 RimCheck checkRims(const FacetQuery& f, const FacetPart& part) {
   const FacetMesh& mesh = f.query.mesh;
@@ -82,6 +98,7 @@ RimCheck checkRims(const FacetQuery& f, const FacetPart& part) {
     const Ridge& ridge = mesh.ridges[at(depth.ridge)];
     if (ridge.left != f.facet && ridge.right != f.facet) continue;
     check.near = check.near || depth.near;
+    check.any = std::min(check.any, depth.around);
     // A facet that is not convex goes on beyond the line of its ridge.
     const Vec3& inwards = ridge.left == f.facet ? ridge.intoLeft : ridge.intoRight;
     if (inwards.dot(part.middle - mesh.vertices[at(ridge.a)]) >= 0) check.least = std::min(check.least, depth.around);
@@ -183,6 +200,7 @@ bool touchFacet(const MeshQuery& query, std::int32_t facet, std::span<const std:
   part.overlap = over ? f.depth : 0;
   part.middle = f.deepest + 0.5 * f.depth * plane.normal;
   RimCheck rims = checkRims(f, part);
+  if (query.mesh.facetIsConvex[at(facet)] && !(rims.any > 0)) return false;
   bool entire = over && !rims.near;
   if (!entire) {
     measurePart(f, surface, part);

@@ -4,6 +4,9 @@
 #include "granular/core/tolerances.h"
 #include "granular/narrow/narrow.h"
 #include "granular/point/witness.h"
+#include "granular/shape/cone.h"
+#include "granular/shape/cylinder.h"
+#include "granular/shape/ellipsoid.h"
 #include "granular/shape/polyhedron.h"
 #include "granular/shape/sphere.h"
 #include "granular/wall/mesh_contact.h"
@@ -105,30 +108,75 @@ bool meetsFaces(const PolyhedronTables& tables, const Vec3& a, const Vec3& b) {
   return first <= last;
 }
 
-/// True if a point of the segment (body axes) lies in the shape.
-bool meetsSegment(const Shape& shape, const Vec3& a, const Vec3& b) {
-  if (shape.kind() == ShapeKind::cuboid || shape.kind() == ShapeKind::polyhedron)
-    return meetsFaces(static_cast<const Polyhedron&>(shape).tables(), a, b);
+/// The part of the segment between two heights along z, false if there is none.
+bool cutToHeights(double lo, double hi, Vec3& a, Vec3& b) {
+  const Vec3 from = a, along = b - a;
+  double first = 0, last = 1;
+  if (along.z() == 0) return a.z() >= lo && a.z() <= hi;
+  const double s = (lo - a.z()) / along.z(), t = (hi - a.z()) / along.z();
+  first = std::max(first, std::min(s, t));
+  last = std::min(last, std::max(s, t));
+  a = from + first * along;
+  b = from + last * along;
+  return first <= last;
+}
 
-  // Others: the factor by which the shape would have to grow about its centre to hold a point is convex along the
-  // segment: search for the least, and stop at the first point inside.
-  const auto growth = [&](const Vec3& p) {
-    double lo = 0, hi = 1;  // p times lo is inside, times hi is not
-    for (int k = 0; k < 50 && hi - lo > tolerance::tie; ++k)
-      (shape.contains(0.5 * (lo + hi) * p) ? lo : hi) = 0.5 * (lo + hi);
-    return 1 / hi;
-  };
+/// Distance of the segment from the origin (the z axis for two components).
+template <class V>
+double distanceOf(const V& a, const V& b) {
+  const V along = b - a;
+  const double length = along.squaredNorm();
+  return length > 0 ? (a + std::clamp(-a.dot(along) / length, 0.0, 1.0) * along).norm() : a.norm();
+}
+
+/// True if a function that is convex on [0, 1] goes down to 0 there.
+template <class F>
+bool reachesZero(const F& value) {
   double lo = 0, hi = 1;
-  for (int k = 0; k < 60; ++k) {
-    const double third = (hi - lo) / 3;
-    const Vec3 p = a + (lo + third) * (b - a), q = a + (hi - third) * (b - a);
-    if (shape.contains(p) || shape.contains(q)) return true;
-    if (growth(p) > growth(q))
-      lo += third;
-    else
-      hi -= third;
+  for (int k = 0; k < 80; ++k) {
+    const double p = lo + (hi - lo) / 3, q = hi - (hi - lo) / 3, atP = value(p), atQ = value(q);
+    if (atP <= 0 || atQ <= 0) return true;
+    (atP > atQ ? lo : hi) = atP > atQ ? p : q;
   }
   return false;
+}
+
+/// True if a point of the segment (body axes) lies in the shape.
+bool meetsSegment(const Shape& shape, Vec3 a, Vec3 b) {
+  switch (shape.kind()) {
+    case ShapeKind::cuboid:
+    case ShapeKind::polyhedron:
+      return meetsFaces(static_cast<const Polyhedron&>(shape).tables(), a, b);
+    case ShapeKind::sphere:
+      return distanceOf(a, b) <= shape.boundingRadius();
+    case ShapeKind::ellipsoid: {
+      const Vec3& axes = static_cast<const Ellipsoid&>(shape).semiAxes();
+      return distanceOf<Vec3>(a.cwiseQuotient(axes), b.cwiseQuotient(axes)) <= 1;
+    }
+    case ShapeKind::cylinder: {
+      const auto& cylinder = static_cast<const Cylinder&>(shape);
+      return cutToHeights(-cylinder.halfHeight(), cylinder.halfHeight(), a, b) &&
+             distanceOf<Vec2>(a.head<2>(), b.head<2>()) <= cylinder.radius();
+    }
+    case ShapeKind::cone: {
+      const auto& cone = static_cast<const Cone&>(shape);
+      const double slope = cone.radius() / cone.height();
+      return cutToHeights(cone.baseZ(), cone.apexZ(), a, b) && reachesZero([&](double s) {
+               const Vec3 p = a + s * (b - a);
+               return p.head<2>().norm() - slope * (cone.apexZ() - p.z());
+             });
+    }
+    case ShapeKind::bullet:
+      break;
+  }
+  // The factor by which the shape would have to grow about its centre to hold a point is convex along the segment.
+  return reachesZero([&](double s) {
+    const Vec3 p = a + s * (b - a);
+    if (shape.contains(p)) return 0.0;
+    double lo = 0, hi = 1;  // p times lo is inside, times hi is not
+    for (int k = 0; k < 40; ++k) (shape.contains(0.5 * (lo + hi) * p) ? lo : hi) = 0.5 * (lo + hi);
+    return 1 / hi - 1 + tolerance::tie;
+  });
 }
 
 /// True if the body's own box reaches the ridge.
@@ -219,6 +267,8 @@ RidgeDepth findRidgeDepth(const MeshQuery& query, const Aabb& bodyBox, std::int3
   const FanSample first = sampleFan(fan, 0), last = sampleFan(fan, fan.opening);
   best.least = std::min(first.depth, last.depth);
   if (!(best.least > 0)) return best;
+  // Too far to touch, its wedge may still be the way out for a facet, along the normal of the other one.
+  if (!best.near) return best;
   if (query.shape.kind() == ShapeKind::sphere) {
     closeInOnSphere(fan, best);
   } else if (first.falls && !last.falls) {

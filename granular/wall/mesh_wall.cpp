@@ -12,10 +12,6 @@ namespace {
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
-/// How far beyond the body's bounds triangles are looked for, relative to its bounding radius: the foot of a deepest
-/// point lies up to one overlap outside.
-constexpr double reach = 0.1;
-
 /// Working memory of one thread, kept between calls.
 struct Scratch {
   std::vector<std::int32_t> triangles, ridges, corners;
@@ -42,7 +38,7 @@ class MeshWall final : public Wall {
              std::vector<WallTouch>& out) const override {
     thread_local Scratch scratch;
     scratch.triangles.clear();
-    tree.findOverlapping(shape.bounds(frame).grown(reach * shape.boundingRadius()), scratch.triangles);
+    findTriangles(shape, frame, scratch.triangles);
     if (scratch.triangles.empty()) return;
     MeshQuery query{mesh, shape, frame, rule, scratch.triangles, {}};
     findDepths(query, scratch);
@@ -78,11 +74,7 @@ class MeshWall final : public Wall {
     // At an edge or vertex several triangles are equally near: the one seen most squarely tells the side.
     double squared;
     const std::int32_t nearest = tree.findNearest(p, squared);
-    const auto footOn = [&](std::int32_t t) {
-      const auto& corner = mesh.triangles[at(t)];
-      return nearestOnTriangle(p, mesh.vertices[at(corner[0])], mesh.vertices[at(corner[1])],
-                               mesh.vertices[at(corner[2])]);
-    };
+    const auto footOn = [&](std::int32_t t) { return tree.findNearestOn(t, p); };
     Aabb around;
     around.include(footOn(nearest));
     std::vector<std::int32_t> near;
@@ -111,6 +103,22 @@ class MeshWall final : public Wall {
   }
 
  private:
+  /// The triangles within reach of the body.
+  void findTriangles(const Shape& shape, const Frame& frame, std::vector<std::int32_t>& out) const {
+    const double margin = reach * shape.boundingRadius();
+    tree.findOverlapping(shape.bounds(frame).grown(margin), out);
+    // Boxes leave many: a triangle lies behind the plane through its point nearest to the body's centre, and the body
+    // may lie before that plane.
+    std::erase_if(out, [&](std::int32_t t) {
+      const Vec3 foot = tree.findNearestOn(t, frame.x), up = frame.x - foot;
+      const double distance = up.norm();
+      if (distance > shape.boundingRadius() + margin) return true;
+      if (distance <= shape.innerRadius() + margin) return false;
+      const Vec3 lowest = frame.toWorld(shape.support(frame.unrotate(-up)));
+      return up.dot(lowest - foot) > margin * distance;
+    });
+  }
+
   void touchFacets(const MeshQuery& query, Scratch& scratch) const {
     scratch.facetTouches.clear();
     const std::span<const std::int32_t> all = query.triangles;

@@ -95,41 +95,34 @@ void TriangleTree::findOverlapping(const Aabb& box, std::vector<std::int32_t>& o
   std::sort(out.begin() + begin, out.end());
 }
 
-double TriangleTree::distanceBound(const Vec3& p, double limit) const {
-  double best = limit * limit;
-  for (std::int32_t n = 0; n < static_cast<std::int32_t>(nodes.size());) {
-    const Node& node = nodes[at(n)];
-    if (distanceSquaredTo(node.bounds, p) >= best) {
-      n = node.skip;
-      continue;
+void TriangleTree::searchNearest(std::int32_t n, const Vec3& p, double& distanceSquared, std::int32_t& nearest) const {
+  const Node& node = nodes[at(n)];
+  for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
+    const std::int32_t t = order[at(k)];
+    const double d = (p - findNearestOn(t, p)).squaredNorm();
+    if (d < distanceSquared || (d == distanceSquared && t < nearest)) {
+      distanceSquared = d;
+      nearest = t;
     }
-    for (std::int32_t k = node.first; k < node.first + node.count; ++k)
-      best = std::min(best, distanceSquaredTo(boxes[at(order[at(k)])], p));
-    ++n;
   }
-  return std::sqrt(best);
+  if (node.count > 0) return;
+
+  // The nearer half first: mostly it spares the other.
+  std::array<std::int32_t, 2> child{n + 1, nodes[at(n + 1)].skip};
+  std::array<double, 2> distance{distanceSquaredTo(nodes[at(child[0])].bounds, p),
+                                 distanceSquaredTo(nodes[at(child[1])].bounds, p)};
+  if (distance[1] < distance[0]) {
+    std::swap(child[0], child[1]);
+    std::swap(distance[0], distance[1]);
+  }
+  for (std::size_t k = 0; k < 2; ++k)
+    if (distance[k] <= distanceSquared) searchNearest(child[k], p, distanceSquared, nearest);
 }
 
 std::int32_t TriangleTree::findNearest(const Vec3& p, double& distanceSquared) const {
   std::int32_t nearest = -1;
   distanceSquared = infinity;
-  for (std::int32_t n = 0; n < static_cast<std::int32_t>(nodes.size());) {
-    const Node& node = nodes[at(n)];
-    if (distanceSquaredTo(node.bounds, p) >= distanceSquared) {
-      n = node.skip;
-      continue;
-    }
-    for (std::int32_t k = node.first; k < node.first + node.count; ++k) {
-      const std::int32_t t = order[at(k)];
-      const auto& corner = corners[at(t)];
-      const double d = (p - nearestOnTriangle(p, corner[0], corner[1], corner[2])).squaredNorm();
-      if (d < distanceSquared || (d == distanceSquared && t < nearest)) {
-        distanceSquared = d;
-        nearest = t;
-      }
-    }
-    ++n;
-  }
+  searchNearest(0, p, distanceSquared, nearest);
   return nearest;
 }
 

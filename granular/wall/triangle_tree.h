@@ -11,6 +11,9 @@
 
 namespace granular {
 
+/// The point of the triangle nearest to p (Ericson, Real-Time Collision Detection, 5.1.5).
+Vec3 nearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+
 class TriangleTree {
  public:
   TriangleTree() = default;
@@ -19,11 +22,14 @@ class TriangleTree {
   /// Appends the triangles whose own bounds overlap the box, in ascending order.
   void findOverlapping(const Aabb& box, std::vector<std::int32_t>& out) const;
 
-  /// Distance from p to the nearest box of a triangle, at most `limit` (m): a lower bound of the distance to the mesh.
-  double distanceBound(const Vec3& p, double limit) const;
-
   /// Squared distance from p to the nearest triangle, which is returned. The tree must not be empty.
   std::int32_t findNearest(const Vec3& p, double& distanceSquared) const;
+
+  /// The point of a triangle nearest to p.
+  Vec3 findNearestOn(std::int32_t triangle, const Vec3& p) const {
+    const auto& corner = corners[static_cast<std::size_t>(triangle)];
+    return nearestOnTriangle(p, corner[0], corner[1], corner[2]);
+  }
 
  private:
   struct Node {
@@ -32,14 +38,12 @@ class TriangleTree {
     std::int32_t first, count;  ///< leaf: its part of `order`; count 0 otherwise
   };
   void build(std::int32_t first, std::int32_t last);
+  void searchNearest(std::int32_t node, const Vec3& p, double& distanceSquared, std::int32_t& nearest) const;
 
   std::vector<Node> nodes;
   std::vector<std::int32_t> order;
   std::vector<Aabb> boxes;                   ///< by triangle
   std::vector<std::array<Vec3, 3>> corners;  ///< by triangle
 };
-
-/// The point of the triangle nearest to p (Ericson, Real-Time Collision Detection, 5.1.5).
-Vec3 nearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace granular

@@ -205,6 +205,65 @@ TEST(MeshWall, BoxOfTrianglesHoldsABodyLikeTheSolidBox) {
   EXPECT_GT(close, 0.99 * count);
 }
 
+/// Overlap of a body with ground made solid: a thin tetrahedron below each triangle.
+double overlapWithGround(const TriangleMesh& ground, const Shape& body, const Frame& frame) {
+  double largest = 0;
+  for (const auto& t : ground.triangles) {
+    std::array<Vec3, 4> points;
+    for (std::size_t k = 0; k < 3; ++k) points[k] = ground.vertices[std::size_t(t[k])];
+    const Vec3 middle = (points[0] + points[1] + points[2]) / 3;
+    if ((middle - frame.x).norm() > body.boundingRadius() + 0.001) continue;
+    points[3] = middle - Vec3(0, 0, 0.0005);
+    Frame principal;
+    const Polyhedron tetrahedron(points, &principal);
+    double overlap = 0;
+    if (overlaps(body, frame, tetrahedron, principal, &overlap)) largest = std::max(largest, overlap);
+  }
+  return largest;
+}
+
+TEST(MeshWall, BodiesTouchRoughGroundExactlyWhenTheyReachIt) {
+  const TriangleMesh rough = ground(0.02, 25, 0.0004, 5);
+  const auto wall = makeMeshWall(rough, "ground");
+  Random random(31);
+  int touching = 0;
+  for (const auto& body : bodies())
+    for (int trial = 0; trial < 40; ++trial) {
+      const Mat3 R = random.rotation().toRotationMatrix();
+      const Frame frame =
+          lowered(*body, Frame(R, Vec3(random.uniform(-0.005, 0.005), random.uniform(-0.005, 0.005), 0)), Vec3::Zero(),
+                  Vec3::UnitZ(), random.uniform(0, 0.0003));
+      const double overlap = overlapWithGround(rough, *body, frame);
+      const auto touches = touchesOf(*wall, *body, frame);
+      double deepest = 0;
+      for (const WallTouch& touch : touches) deepest = std::max(deepest, touch.overlap);
+      if (overlap > 1e-9) {
+        ++touching;
+        EXPECT_FALSE(touches.empty()) << body->describe() << " trial " << trial << " overlap " << overlap;
+        EXPECT_GT(wrenchOf(touches, frame.x).force.z(), 0);
+        EXPECT_LT(deepest, 3e-4);
+      } else {
+        EXPECT_TRUE(touches.empty()) << body->describe() << " trial " << trial << " deepest " << deepest;
+      }
+    }
+  EXPECT_GT(touching, 60);
+}
+
+TEST(MeshWall, SphereOnRoughGroundIsAsDeepAsItsNearestTriangle) {
+  const TriangleMesh rough = ground(0.02, 25, 0.0004, 5);
+  const auto wall = makeMeshWall(rough, "ground");
+  const Sphere sphere(0.0015);
+  Random random(32);
+  for (int trial = 0; trial < 500; ++trial) {
+    const Vec3 centre(random.uniform(-0.005, 0.005), random.uniform(-0.005, 0.005), random.uniform(0.0012, 0.0015));
+    const double overlap = -wall->clearance(centre, sphere.radius());
+    const auto touches = touchesOf(*wall, sphere, Frame(Mat3::Identity(), centre));
+    double deepest = 0;
+    for (const WallTouch& touch : touches) deepest = std::max(deepest, touch.overlap);
+    EXPECT_NEAR(deepest, std::max(0.0, overlap), 1e-15);
+  }
+}
+
 TEST(MeshWall, SphereOnARidgeAndACornerTouchesAtTheNearestPoint) {
   // Against an outward box a sphere has one contact, with the nearest point of the box: clamp the centre to it.
   const Vec3 h(0.004, 0.003, 0.002);

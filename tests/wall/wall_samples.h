@@ -48,6 +48,14 @@ inline TriangleMesh sheet(double side, int cells, bool slivers = false) {
   return mesh;
 }
 
+/// Rough ground below z = 0: a sheet of waves, `height` from crest to trough.
+inline TriangleMesh ground(double side, int cells, double height, double waves) {
+  TriangleMesh mesh = sheet(side, cells);
+  for (Vec3& v : mesh.vertices)
+    v.z() = 0.5 * height * (std::sin(2 * pi * waves * v.x() / side) * std::cos(1.7 * pi * waves * v.y() / side) - 1);
+  return mesh;
+}
+
 inline TriangleMesh placed(TriangleMesh mesh, const Frame& frame) {
   for (Vec3& v : mesh.vertices) v = frame.toWorld(v);
   return mesh;
