@@ -7,6 +7,9 @@ namespace {
 
 /// Contacts of pairs that both are frozen, by their geometry alone.
 void addFrozenContacts(const World& world, Bed& bed) {
+  // Without a history there is no manifold: its rule falls back on the deepest point.
+  RuleOptions rule = world.options.rule;
+  if (rule.rule == PointRule::manifold) rule.rule = PointRule::witness;
   Bodies awake = world.bodies;
   std::fill(awake.state.begin(), awake.state.end(), BodyState::moving);
   SearchOptions options;
@@ -27,7 +30,7 @@ void addFrozenContacts(const World& world, Bed& bed) {
     Touch touch;
     if (!findTouch(*awake.shape[a], awake.frame[a], *awake.shape[b], frameB, true, cache, counts, touch)) continue;
     ContactPatch patch;
-    placeContact(world.options.rule, *awake.shape[a], awake.frame[a], *awake.shape[b], frameB, touch, patch);
+    placeContact(rule, *awake.shape[a], awake.frame[a], *awake.shape[b], frameB, touch, patch);
     bed.contacts.push_back({pair.a, pair.b, patch.point, touch.normal, Vec3::Zero(), touch.overlap});
   }
   std::vector<WallTouch> touches;
@@ -35,7 +38,7 @@ void addFrozenContacts(const World& world, Bed& bed) {
     if (!frozen(static_cast<std::int32_t>(i))) continue;
     for (const auto& wall : world.walls) {
       touches.clear();
-      wall->touch(world.options.rule, *awake.shape[i], awake.frame[i], touches);
+      wall->touch(rule, *awake.shape[i], awake.frame[i], touches);
       for (const WallTouch& found : touches) {
         bed.contacts.push_back(
             {static_cast<std::int32_t>(i), -1, found.patch.point, found.normal, Vec3::Zero(), found.overlap});

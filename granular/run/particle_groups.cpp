@@ -193,6 +193,10 @@ std::vector<std::int64_t> countsOf(const Scene& scene) {
 }  // namespace
 
 std::vector<PourGroup> makePourGroups(const Scene& scene) {
+  const bool pours = scene.insertion.kind == InsertionSettings::Kind::batches ||
+                     scene.insertion.kind == InsertionSettings::Kind::rain;
+  require(!pours || scene.vessel.kind != VesselSettings::Kind::none,
+          scene.file.string() + ": vessel.kind = \"none\" leaves no place to pour into: give a vessel, or poses");
   const std::vector<std::int64_t> counts = countsOf(scene);
   std::vector<PourGroup> groups;
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {

@@ -120,6 +120,7 @@ void addSceneWalls(const Scene& scene, World& world) {
 std::unique_ptr<World> makeWorld(const Scene& scene) {
   auto world = std::make_unique<World>(makeOptions(scene), makeMaterials(scene));
   addVesselWalls(scene, *world);
+  world->vesselWalls = world->walls.size();
   addSceneWalls(scene, *world);
   return world;
 }

@@ -14,7 +14,7 @@ namespace granular {
 /// can't be used, an unknown rule or law.
 std::unique_ptr<World> makeWorld(const Scene& scene);
 
-/// Where particles may be put: the vessel; without one, a square around the axis that the scene's particles fit in.
+/// Where particles may be put: the inside of the vessel; empty without one.
 Region makeRegion(const Scene& scene);
 
 /// The vessel as the analysis sees it.

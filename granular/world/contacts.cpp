@@ -122,6 +122,7 @@ void startChunk(World::Chunk& chunk) {
   chunk.counts = NarrowCounts{};
   chunk.deepest = 0;
   chunk.deepestContact = -1;
+  chunk.uncertifiedPair = -1;
 }
 
 void noteDepth(World::Chunk& chunk, double overlap, double size) {
@@ -147,8 +148,11 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   frameB.x += shift;
   WarmCache& cache = world.pairs.memory.cache[at(pair.slot)];
   Touch touch;
-  if (!findTouch(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB, !world.options.skips.feature, cache,
-                 chunk.counts, touch)) {
+  const std::uint64_t uncertified = chunk.counts.uncertified;
+  const bool touching = findTouch(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB,
+                                  !world.options.skips.feature, cache, chunk.counts, touch);
+  if (chunk.counts.uncertified > uncertified && chunk.uncertifiedPair < 0) chunk.uncertifiedPair = index;
+  if (!touching) {
     pair.quietUntil = travel + cache.budget;
     world.pairs.memory.history[at(pair.slot)] = ContactHistory{};
     if (at(pair.slot) < world.pairs.memory.manifolds.size())

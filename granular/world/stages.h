@@ -26,6 +26,9 @@ void letSleep(double dt, World& world);
 /// Counts and names trouble: states that are not finite, deep overlaps.
 void watch(World& world);
 
+/// Names bodies whose centre is behind a wall of the vessel. Not part of a step: a run looks now and then.
+void checkDomain(World& world);
+
 /// Lays out incidence and chunks for the present pairs: after a refresh, and after loading a checkpoint.
 void layOutContacts(World& world);
 

@@ -34,6 +34,12 @@ void watch(World& world) {
   for (const World::Chunk& chunk : world.chunks) {
     report.contactSteps += chunk.contacts.size();
     report.narrow += chunk.counts;
+    if (chunk.uncertifiedPair >= 0) {
+      const Pair& pair = world.pairs.pairs[static_cast<std::size_t>(chunk.uncertifiedPair)];
+      addTrouble({Trouble::Kind::uncertified, world.time, bodies.id[static_cast<std::size_t>(pair.a)],
+                  bodies.id[static_cast<std::size_t>(pair.b)], {}, 0},
+                 report);
+    }
     if (chunk.deepestContact >= 0 && chunk.deepest > deepest) {
       deepest = chunk.deepest;
       deepestContact = &chunk.contacts[static_cast<std::size_t>(chunk.deepestContact)];
@@ -66,6 +72,16 @@ void watch(World& world) {
                 {},
                 std::sqrt(square)},
                report);
+  }
+}
+
+void checkDomain(World& world) {
+  const Bodies& bodies = world.bodies;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (std::size_t k = 0; k < world.vesselWalls; ++k) {
+      if (world.walls[k]->admits(bodies.x[i])) continue;
+      addTrouble({Trouble::Kind::escaped, world.time, bodies.id[i], -1, world.walls[k]->name, 0}, world.report);
+    }
   }
 }
 

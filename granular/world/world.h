@@ -48,6 +48,7 @@ struct World {
   ShapeTable shapes;
   Bodies bodies;
   std::vector<std::unique_ptr<Wall>> walls;
+  std::size_t vesselWalls = 0;  ///< how many of them, from the first, no body may be behind
 
   double time = 0;         ///< of t_n, s
   std::int64_t steps = 0;  ///< taken so far
@@ -64,6 +65,7 @@ struct World {
     std::vector<Contact> contacts;
     NarrowCounts counts;
     double deepest = 0;                ///< largest overlap over size in this chunk
+    std::int32_t uncertifiedPair = -1;  ///< the first pair whose answer no bound could certify
     std::int32_t deepestContact = -1;  ///< index in contacts
     std::vector<WallTouch> wallTouches;
   };
