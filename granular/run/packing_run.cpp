@@ -17,6 +17,7 @@
 #include "granular/run/particle_groups.h"
 #include "granular/run/scene_world.h"
 #include "granular/run/world_archive.h"
+#include "granular/world/stages.h"
 
 namespace granular {
 namespace {
@@ -68,6 +69,7 @@ PackingRun::PackingRun(SceneSource source)
   placePoses();
   chooseTimeStep();
   startHalfSteps(*state, dt, 0, true);
+  if (pour->isDone()) counters.pouredAt = state->time;  // poses and beds have nothing to wait for
 }
 
 Vessel PackingRun::vessel() const { return makeVessel(settings); }
@@ -229,6 +231,7 @@ void PackingRun::observe(double interval) {
     counters.awake = true;
     if (state->sleep.fallen > 0) counters.calm = 0;
   }
+  checkDomain(*state);
   const TimeStepBound now = boundOfContacts(*state);
   counters.smallestBound = std::min(counters.smallestBound, now.bound);
 }
