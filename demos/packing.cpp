@@ -53,7 +53,7 @@ int exitOf(granular::RunEnd end) {
 }
 
 granular::PackingRun makeRun(const Options& options) {
-  if (!options.resume.empty()) return granular::PackingRun::resumed(options.resume);
+  if (!options.resume.empty()) return granular::PackingRun::resumed(options.resume, options.overrides);
   return granular::PackingRun(granular::SceneSource::read(options.scene, options.overrides));
 }
 
@@ -94,7 +94,10 @@ int main(int argc, char** argv) {
   std::vector<std::string> skips;
   app.add_option("scene", options.scene, "scene file (TOML)");
   app.add_option("--out", options.out, "folder of the results");
-  app.add_option("--resume", options.resume, "go on from the newest checkpoint of this folder");
+  app.add_option(
+      "--resume", options.resume,
+      "go on from the newest checkpoint of this folder, to the same result as if never stopped; --threads, and "
+      "--set of time.max_time, rest, output and limits may differ");
   app.add_option("--threads", threads, "threads; 0: all cores (the result does not depend on it)");
   app.add_option("--seed", seed, "seed of all random numbers");
   app.add_option("--set", options.overrides,
@@ -119,6 +122,8 @@ int main(int argc, char** argv) {
     }
     granular::require(!options.scene.empty() != !options.resume.empty(),
                       "give a scene file, or --resume with a folder");
+    granular::require(options.out.empty() || options.resume.empty(),
+                      "--resume goes on in its own folder: leave out --out");
     granular::require(!options.out.empty() || options.dryRun || !options.resume.empty(),
                       "--out: where do the results go?");
     return run(options);

@@ -27,6 +27,24 @@ using Clock = std::chrono::steady_clock;
 /// Steps between looks at the whole bed: often enough to see a rest of milliseconds, seldom enough to cost nothing.
 std::int64_t observationSteps(double dt) { return std::max<std::int64_t>(1, std::llround(1e-4 / dt)); }
 
+/// The part of a checkpoint from which everything else can be built.
+void visitSource(Archive& archive, SceneSource& source) {
+  archive.inGroup("scene", [&] {
+    std::string file = source.file.string();
+    archive.visit("file", file, {"", "path of the scene file"});
+    source.file = file;
+    archive.visit("text", source.text, {"", "its content"});
+    archive.visit("overrides", source.overrides, {"", "key.path=value"});
+  });
+}
+
+/// What may differ from the interrupted run without touching its motion.
+bool mayChangeOnResume(std::string_view entry) {
+  const std::string_view key = entry.substr(0, entry.find('='));
+  return key == "threads" || key == "time.max_time" || key.starts_with("rest.") || key.starts_with("output.") ||
+         key.starts_with("limits.");
+}
+
 double weightTimesSize(const Bodies& bodies, std::size_t i, double gravity) {
   return bodies.mass[i] * gravity * 2 * bodies.shape[i]->size();
 }
@@ -77,9 +95,6 @@ Vessel PackingRun::vessel() const { return makeVessel(settings); }
 void PackingRun::makePour() {
   const InsertionSettings& insertion = settings.insertion;
   std::vector<PourGroup> groups = makePourGroups(settings);
-  if (insertion.kind == InsertionSettings::Kind::poses) {
-    for (PourGroup& group : groups) group.count = 0;
-  }
   PourOptions options;
   options.kind = insertion.kind == InsertionSettings::Kind::rain ? PourOptions::Kind::rain : PourOptions::Kind::batches;
   options.minBatch = static_cast<std::int64_t>(insertion.batch.lo);
@@ -101,6 +116,10 @@ void PackingRun::placePoses() {
     const World& old = earlier.world();
     for (std::size_t i = 0; i < old.bodies.size(); ++i) {
       const std::string& material = old.materials.name(old.bodies.material[i]);
+      const auto isNamed = [&](const MaterialSettings& known) { return known.name == material; };
+      require(std::any_of(settings.materials.begin(), settings.materials.end(), isNamed),
+              fmt::format("{}: insertion.file = {}: particle {} of that bed is of material '{}', which the scene lacks",
+                          settings.file.string(), insertion.file.string(), old.bodies.id[i], material));
       NewBody body;
       body.shapeIndex = state->addShape(old.shapes[static_cast<std::size_t>(old.bodies.shapeIndex[i])]);
       body.material = settings.materialIndex(material);
@@ -128,7 +147,12 @@ void PackingRun::placePoses() {
     placed.push_back({state->bodies.shape[i], state->bodies.frame[i]});
   std::vector<const Wall*> walls;
   for (const auto& wall : state->walls) walls.push_back(wall.get());
-  if (!placed.empty()) checkPoses(placed, state->bodies.id, state->options.periods, walls, insertion.maxOverlap);
+  if (placed.empty()) return;
+  try {
+    checkPoses(placed, state->bodies.id, state->options.periods, walls, insertion.maxOverlap);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", insertion.file.string(), error.what()));
+  }
 }
 
 void PackingRun::chooseTimeStep() {
@@ -239,6 +263,7 @@ void PackingRun::observe(double interval) {
 bool PackingRun::isResting() const { return pour->isDone() && counters.awake && counters.calm >= settings.rest.time; }
 
 RunEnd PackingRun::run(const std::filesystem::path& out, const volatile std::sig_atomic_t& stop) {
+  checkFolder(out);
   const std::int64_t lookEvery = observationSteps(dt);
   const double wallBefore = counters.wall;
   Progress line;
@@ -298,19 +323,24 @@ std::string PackingRun::describeProgress() const {
       restlessness(), 100 * state->report.deepestOverlap);
 }
 
+void PackingRun::checkFolder(const std::filesystem::path& out) const {
+  if (settings.insertion.kind != InsertionSettings::Kind::bed) return;
+  // Resuming needs both checkpoints: the bed's and this run's.
+  std::error_code ignored;
+  const std::filesystem::path& bed = settings.insertion.file;
+  const std::filesystem::path home = std::filesystem::is_directory(bed, ignored) ? bed : bed.parent_path();
+  require(!std::filesystem::equivalent(home, out, ignored),
+          fmt::format("{}: the output folder holds the bed this run starts from; choose another", out.string()));
+}
+
 void PackingRun::save(const std::filesystem::path& out) {
   Archive archive;
+  visitSource(archive, origin);
   visitState(archive);
   saveCheckpoint(out, archive);
 }
 
 void PackingRun::visitState(Archive& archive) {
-  archive.inGroup("scene", [&] {
-    std::string file = origin.file.string();
-    archive.visit("file", file, {"", "path of the scene file"});
-    archive.visit("text", origin.text, {"", "its content"});
-    archive.visit("overrides", origin.overrides, {"", "key.path=value"});
-  });
   archive.visit("time_step", dt, {"s", ""});
   PourState poured = pour->state();
   archive.visitGroup("pouring", poured);
@@ -324,18 +354,20 @@ void PackingRun::visitState(Archive& archive) {
   archive.visitGroup("world", *state);
 }
 
-PackingRun PackingRun::resumed(const std::filesystem::path& folder) {
+PackingRun PackingRun::resumed(const std::filesystem::path& folder, const std::vector<std::string>& overrides) {
   Archive archive = loadCheckpoint(folder);
   SceneSource source;
-  archive.inGroup("scene", [&] {
-    std::string file;
-    archive.visit("file", file);
-    source.file = file;
-    archive.visit("text", source.text);
-    archive.visit("overrides", source.overrides);
-  });
+  visitSource(archive, source);
+  for (const std::string& entry : overrides) {
+    require(mayChangeOnResume(entry),
+            fmt::format("{}: can't be changed when a run is resumed; threads, time.max_time, rest.*, output.* and "
+                        "limits.* can",
+                        entry));
+    source.overrides.push_back(entry);
+  }
   PackingRun run(std::move(source));
   run.visitState(archive);
+  archive.requireAllRead();
   return run;
 }
 

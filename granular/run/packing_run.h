@@ -49,8 +49,10 @@ class PackingRun {
  public:
   /// Builds everything the scene names. Throws InputError for what can't be.
   explicit PackingRun(SceneSource source);
-  /// Continues from the newest checkpoint of a folder, to the same bits as if it had never stopped.
-  static PackingRun resumed(const std::filesystem::path& folder);
+  /// Continues from the newest checkpoint of a folder, to the same bits as if it had never stopped. Overrides may
+  /// change what does not touch the motion: threads, time.max_time, and the keys of rest, output and limits; others
+  /// throw InputError.
+  static PackingRun resumed(const std::filesystem::path& folder, const std::vector<std::string>& overrides = {});
 
   const Scene& scene() const { return settings; }
   World& world() { return *state; }
@@ -85,6 +87,7 @@ class PackingRun {
   std::string describeProgress() const;
   void save(const std::filesystem::path& out);
   void visitState(Archive& archive);
+  void checkFolder(const std::filesystem::path& out) const;
 
   SceneSource origin;
   Scene settings;

@@ -165,6 +165,10 @@ WoodchipOptions woodchipOptionsOf(const ParticleSettings& group) {
 
 /// Counts of all groups: their own, or by share of the whole; what rounding leaves over goes to the largest share.
 std::vector<std::int64_t> countsOf(const Scene& scene) {
+  const InsertionSettings::Kind kind = scene.insertion.kind;
+  if (kind == InsertionSettings::Kind::poses || kind == InsertionSettings::Kind::bed) {
+    return std::vector<std::int64_t>(scene.particles.size(), 0);  // a file says how many there are
+  }
   std::vector<std::int64_t> counts;
   double shares = 0;
   std::int64_t given = 0;

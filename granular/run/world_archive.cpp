@@ -193,6 +193,22 @@ void visitWallPairs(Archive& archive, std::vector<WallPair>& pairs) {
   });
 }
 
+void visitTroubles(Archive& archive, std::vector<Trouble>& troubles) {
+  archive.inGroup("troubles", [&] {
+    archive.visitMember("time", troubles, &Trouble::time, {"s", ""});
+    visitField<std::uint8_t>(
+        archive, "kind", troubles, [](Trouble& t) -> auto& { return t.kind; });
+    archive.visitMember("body_a", troubles, &Trouble::bodyA);
+    archive.visitMember("body_b", troubles, &Trouble::bodyB);
+    archive.visitMember("value", troubles, &Trouble::value, {"", "overlap over size, or speed in m/s"});
+    std::vector<std::string> walls;
+    for (const Trouble& trouble : troubles) walls.push_back(trouble.wall);
+    archive.visit("wall", walls, {"", "name; empty: none"});
+    require(walls.size() == troubles.size(), "checkpoint: column wall is of another length than its neighbours");
+    for (std::size_t k = 0; k < troubles.size(); ++k) troubles[k].wall = walls[k];
+  });
+}
+
 void visitReport(Archive& archive, Report& report) {
   archive.inGroup("report", [&] {
     NarrowCounts& narrow = report.narrow;
@@ -211,6 +227,7 @@ void visitReport(Archive& archive, Report& report) {
     archive.visit("body_steps", report.bodySteps);
     archive.visit("stage_seconds", report.seconds, {"s", ""});
     archive.visit("trouble_counts", report.troubleCounts);
+    visitTroubles(archive, report.troubles);
   });
 }
 
@@ -222,6 +239,7 @@ void describe(Archive& archive, World& world) {
   archive.visit("wall_travel", world.wallTravel, {"m", ""});
   archive.visit("next_id", world.nextId);
   archive.visit("sleep_on", world.options.sleep.on);
+  if (archive.loading()) world.pairs = PairList{};  // of bodies placed before loading
   archive.inGroup(
       "bodies", [&] { world.bodies.visitState([&](const char* name, auto& column) { archive.visit(name, column); }); });
   visitPairs(archive, world.pairs);

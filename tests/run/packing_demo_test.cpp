@@ -1,0 +1,79 @@
+// The demo from outside: exit codes and messages.
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+
+#include "run/scene_texts.h"
+
+namespace granular {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PackingDemo : public RunTest {
+ protected:
+  void SetUp() override {
+    RunTest::SetUp();
+    if (!fs::exists(GRANULAR_PACKING)) GTEST_SKIP() << GRANULAR_PACKING << " is not built";
+  }
+
+  struct Outcome {
+    int code;
+    std::string text;  ///< both streams
+  };
+  static Outcome run(const std::string& arguments) {
+    const std::string command = std::string(GRANULAR_PACKING) + " " + arguments + " 2>&1";
+    FILE* pipe = ::popen(command.c_str(), "r");
+    std::string text;
+    std::array<char, 4096> buffer;
+    while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) text.append(buffer.data(), n);
+    const int status = ::pclose(pipe);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text};
+  }
+  const std::string pour = "[insertion]\nkind = \"batches\"\ncount = 8\n";
+};
+
+TEST_F(PackingDemo, EverySceneShippedIsAccepted) {
+  int scenes = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(std::string(GRANULAR_SOURCE_DIR) + "/demos/scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    ++scenes;
+    const Outcome outcome = run(entry.path().string() + " --dry-run");
+    EXPECT_EQ(outcome.code, 0) << entry.path() << "\n" << outcome.text;
+    expectMentions(outcome.text, {"particles:", "time step:", "skips:"});
+  }
+  EXPECT_GT(scenes, 0);
+}
+
+TEST_F(PackingDemo, BadInputExitsWithOneAndTheMessage) {
+  const Outcome missing = run("absent.toml --dry-run");
+  EXPECT_EQ(missing.code, 1);
+  expectMentions(missing.text, {"absent.toml", "can't be read"});
+  std::ofstream(folder / "plain") << "x";
+  const std::string scene = write(narrowBox + commonText + spheres + pour).file.string();
+  const Outcome unwritable = run(scene + " --out " + (folder / "plain" / "out").string());
+  EXPECT_EQ(unwritable.code, 1);
+  expectMentions(unwritable.text, {"plain/out", "output folder"});
+  EXPECT_EQ(run(scene).code, 1) << "--out is missing";
+}
+
+TEST_F(PackingDemo, ExitCodesTellRestFromTimeAndTrouble) {
+  const std::string scene = write(narrowBox + commonText + spheres + pour).file.string();
+  const std::string out = (folder / "out").string();
+  const std::string arguments = scene + " --out " + out + " --threads 1 --set ";
+  EXPECT_EQ(run(arguments + "time.max_time=0.01").code, 3);
+  // Taken up again with more time it comes to rest.
+  const Outcome rested = run("--resume " + out + " --threads 1 --set time.max_time=10");
+  EXPECT_EQ(rested.code, 0) << rested.text;
+  EXPECT_TRUE(fs::exists(folder / "out" / "result.json"));
+  const Outcome trouble = run(arguments + "limits.max_overlap=1e-4");
+  EXPECT_EQ(trouble.code, 4);
+  expectMentions(trouble.text, {"trouble", "overlap"});
+  const Outcome refused = run("--resume " + out + " --seed 7");
+  EXPECT_EQ(refused.code, 1);
+  expectMentions(refused.text, {"seed=7", "resumed"});
+}
+
+}  // namespace
+}  // namespace granular

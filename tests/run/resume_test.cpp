@@ -1,0 +1,158 @@
+// A run that was stopped and taken up again ends in the same bits as one that never stopped.
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include "granular/run/world_archive.h"
+#include "run/scene_texts.h"
+
+namespace granular {
+namespace {
+
+class Resume : public RunTest {
+ protected:
+  /// Everything of the world that goes into a checkpoint, but the time it took.
+  static std::map<std::string, DataSet> stateOf(PackingRun& run) {
+    Archive archive;
+    describe(archive, run.world());
+    std::map<std::string, DataSet> state = archive.content();
+    state.erase("report/stage_seconds");
+    return state;
+  }
+
+  static void expectSameState(PackingRun& a, PackingRun& b) {
+    const auto first = stateOf(a), second = stateOf(b);
+    ASSERT_EQ(first.size(), second.size());
+    for (const auto& [name, set] : first) {
+      ASSERT_TRUE(second.contains(name)) << name;
+      EXPECT_TRUE(set.bytes == second.at(name).bytes) << name << " differs";
+    }
+    EXPECT_EQ(a.progress().calm, b.progress().calm);
+    EXPECT_EQ(a.progress().pouredAt, b.progress().pouredAt);
+    EXPECT_EQ(a.progress().smallestBound, b.progress().smallestBound);
+    EXPECT_EQ(a.inserter().state().postponed, b.inserter().state().postponed);
+    EXPECT_EQ(a.inserter().state().attempts, b.inserter().state().attempts);
+  }
+
+  /// Stops at every one of the times, resumes with another number of threads each time, and compares the end.
+  void expectSameEnd(const std::string& text, const std::vector<double>& stops) {
+    const SceneSource source = write(text, {"threads=1"});
+    omp_set_num_threads(1);
+    PackingRun whole(source);
+    ASSERT_EQ(whole.run(makeFolder("whole"), never), RunEnd::rested);
+
+    const auto out = makeFolder("parts");
+    const auto until = [](double time) { return fmt::format("time.max_time={}", time); };
+    SceneSource shortened = source;
+    shortened.overrides.push_back(until(stops.front()));
+    EXPECT_EQ(PackingRun(shortened).run(out, never), RunEnd::outOfTime);
+    for (std::size_t k = 1; k < stops.size(); ++k) {
+      ASSERT_LT(stops[k], whole.world().time);
+      // Once with several threads, shortly: on a busy machine they wait for each other.
+      omp_set_num_threads(k + 2 == stops.size() ? 4 : 1);
+      PackingRun part = PackingRun::resumed(out, {until(stops[k])});
+      EXPECT_EQ(part.run(out, never), RunEnd::outOfTime);
+    }
+    omp_set_num_threads(1);
+    PackingRun last = PackingRun::resumed(out, {until(1e9)});
+    EXPECT_EQ(last.run(out, never), RunEnd::rested);
+    expectSameState(whole, last);
+  }
+
+  static std::string settle(const std::string& kind) { return "[settle]\nkind = \"" + kind + "\"\n"; }
+  const std::string batches = "[insertion]\nkind = \"batches\"\ncount = 24\nbatch = [6, 9]\n";
+  const std::vector<double> stops{0.0002, 0.013, 0.031, 0.0613, 0.063, 0.09};
+};
+
+TEST_F(Resume, BatchesOfAMixtureEndInTheSameBits) {
+  expectSameEnd(narrowBox + commonText + mixture + batches + settle("none"), stops);
+}
+
+TEST_F(Resume, BatchesOfAMixtureWithSleepersEndInTheSameBits) {
+  expectSameEnd(narrowBox + commonText + mixture + batches + settle("sleep"), stops);
+}
+
+TEST_F(Resume, FrozenBatchesOfAMixtureEndInTheSameBits) {
+  expectSameEnd(narrowBox + commonText + mixture + batches + settle("freeze"), stops);
+}
+
+TEST_F(Resume, RainOfAMixtureWithSleepersEndsInTheSameBits) {
+  const std::string rain = "[insertion]\nkind = \"rain\"\ncount = 24\nrate = \"200 1/s\"\n";
+  const std::string vessel = "[vessel]\nkind = \"cylinder\"\nradius = \"8 mm\"\n";
+  expectSameEnd(vessel + commonText + mixture + rain + settle("sleep"), stops);
+}
+
+TEST_F(Resume, PostponedParticlesComeAtTheSameTime) {
+  // So many at once that most find no place: the next attempt is due at a time that must be remembered.
+  const std::string rain = "[insertion]\nkind = \"rain\"\ncount = 40\nrate = \"1e5 1/s\"\n";
+  const std::string vessel = "[vessel]\nkind = \"box\"\nsize = [\"8 mm\", \"8 mm\", \"200 mm\"]\n";
+  expectSameEnd(vessel + commonText + spheres + rain, {0.0021, 0.0063, 0.0117, 0.0127, 0.023});
+}
+
+TEST_F(Resume, APeriodicBedEndsInTheSameBits) {
+  const std::string vessel = "[vessel]\nkind = \"periodic\"\nsize = [\"12 mm\", \"12 mm\", \"100 mm\"]\n";
+  expectSameEnd(vessel + commonText + mixture + batches + settle("sleep"), stops);
+}
+
+TEST_F(Resume, PosesEndInTheSameBits) {
+  std::ofstream(folder / "poses.txt") << "0 0 2e-3 1 0 0 0 0\n1e-3 0 6e-3 .8 .6 0 0 1\n-1e-3 1e-3 1e-2 .6 0 .8 0 1\n";
+  const std::string groups =
+      spheres + "[[particles]]\nshape = \"cuboid\"\nhalf_lengths = [\"1.2 mm\", \"1.2 mm\", \"1.5 mm\"]\n";
+  const std::string poses = "[insertion]\nkind = \"poses\"\nfile = \"poses.txt\"\n";
+  expectSameEnd(narrowBox + commonText + groups + poses + settle("sleep"), {0.0002, 0.02, 0.033, 0.034, 0.04});
+}
+
+TEST_F(Resume, TheCheckpointsOnTheWayAreAsGoodAsTheLast) {
+  const std::string text = narrowBox + commonText + mixture + batches + settle("sleep");
+  omp_set_num_threads(1);
+  PackingRun whole(write(text));
+  ASSERT_EQ(whole.run(makeFolder("whole"), never), RunEnd::rested);
+  // The checkpoint before the last one of a run that saved often.
+  PackingRun often(write(text, {"output.checkpoint_interval=0.02"}));
+  const auto out = makeFolder("often");
+  ASSERT_EQ(often.run(out, never), RunEnd::rested);
+  std::filesystem::remove(out / "checkpoint.h5");
+  PackingRun again = PackingRun::resumed(out / "checkpoint_previous.h5");
+  EXPECT_LT(again.world().time, whole.world().time);
+  EXPECT_EQ(again.run(out, never), RunEnd::rested);
+  expectSameState(whole, again);
+}
+
+TEST_F(Resume, AStopLeavesACheckpointAfterAFewSteps) {
+  PackingRun run(write(narrowBox + commonText + mixture + batches));
+  const auto out = makeFolder("out");
+  EXPECT_EQ(run.run(out, atOnce), RunEnd::interrupted);
+  PackingRun again = PackingRun::resumed(out);
+  EXPECT_EQ(again.world().steps, run.world().steps);
+  expectSameState(run, again);
+}
+
+TEST_F(Resume, TroubleKeepsItsNames) {
+  // Every overlap above a ten-thousandth is trouble.
+  const std::vector<std::string> touchy{"limits.max_overlap=1e-4", "limits.on_trouble=continue", "time.max_time=0.06"};
+  PackingRun run(write(narrowBox + commonText + spheres + batches, touchy));
+  const auto out = makeFolder("out");
+  run.run(out, never);
+  ASSERT_FALSE(run.world().report.troubles.empty());
+  PackingRun again = PackingRun::resumed(out);
+  ASSERT_EQ(again.world().report.troubles.size(), run.world().report.troubles.size());
+  for (std::size_t k = 0; k < run.world().report.troubles.size(); ++k) {
+    EXPECT_EQ(describe(again.world().report.troubles[k]), describe(run.world().report.troubles[k]));
+  }
+}
+
+TEST_F(Resume, WhatWouldChangeTheMotionIsRefused) {
+  PackingRun run(write(narrowBox + commonText + spheres + batches));
+  const auto out = makeFolder("out");
+  run.run(out, atOnce);
+  for (const std::string entry : {"seed=2", "time.step=1e-7", "insertion.count=30", "gravity=[0, 0, -1]"}) {
+    try {
+      PackingRun::resumed(out, {entry});
+      FAIL() << entry;
+    } catch (const InputError& error) {
+      expectMentions(error.what(), {entry, "resumed", "time.max_time"});
+    }
+  }
+}
+
+}  // namespace
+}  // namespace granular

@@ -1,0 +1,89 @@
+// A convex shape of a user's own, known to Bullet and to nobody here, poured like any other.
+#include <BulletCollision/CollisionShapes/btConvexInternalShape.h>
+#include <gtest/gtest.h>
+
+#include "granular/core/random.h"
+#include "granular/shape/bullet_convex.h"
+#include "granular/world/time_step.h"
+#include "granular/world/world.h"
+
+namespace granular {
+namespace {
+
+/// The superellipsoid |x/a|^p + |y/b|^p + |z/c|^p = 1, by its support function alone.
+class Superellipsoid : public btConvexInternalShape {
+ public:
+  Superellipsoid(const Vec3& semiAxes, double exponent) : axes(semiAxes), power(exponent) {
+    m_shapeType = CUSTOM_CONVEX_SHAPE_TYPE;
+  }
+  btVector3 localGetSupportingVertexWithoutMargin(const btVector3& d) const override {
+    const double dual = power / (power - 1);
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) sum += std::pow(std::abs(axes[k] * d[k]), dual);
+    const double size = std::pow(sum, 1 / power);
+    btVector3 p(0, 0, 0);
+    for (int k = 0; k < 3; ++k) {
+      p[k] = std::copysign(axes[k] * std::pow(std::abs(axes[k] * d[k]), dual - 1) / size, d[k]);
+    }
+    return p;
+  }
+  void batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector3* d, btVector3* p, int n) const override {
+    for (int k = 0; k < n; ++k) p[k] = localGetSupportingVertexWithoutMargin(d[k]);
+  }
+  void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }
+  const char* getName() const override { return "superellipsoid"; }
+
+ private:
+  Vec3 axes;
+  double power;
+};
+
+TEST(UsersShape, TwoHundredPourIntoABox) {
+  MaterialTable materials;
+  ContactParameters contact;
+  contact.stiffness = 1000;
+  contact.restitution = 0.5;
+  materials.add("resin", contact);
+  World world(WorldOptions{}, materials);
+  const int perSide = 5, layers = 8;
+  const double pitch = 3.8e-3, half = 0.5 * pitch * perSide;
+  world.walls.push_back(makePlaneWall(Vec3::Zero(), Vec3::UnitZ()));
+  for (const double sign : {-1.0, 1.0}) {
+    world.walls.push_back(makePlaneWall({sign * half, 0, 0}, {-sign, 0, 0}));
+    world.walls.push_back(makePlaneWall({0, sign * half, 0}, {0, -sign, 0}));
+  }
+
+  // A loose lattice, turned at random, thrown down so that all of it meets within the steps below.
+  const auto shape = std::make_shared<BulletConvex>(std::make_shared<Superellipsoid>(Vec3(1, 1.2, 1.5), 3.0), 1e-3);
+  const std::int32_t index = world.addShape(shape);
+  Random random(11);
+  for (int k = 0; k < perSide * perSide * layers; ++k) {
+    NewBody body;
+    body.shapeIndex = index;
+    body.density = 1200;
+    const Vec3 cell(k % perSide, k / perSide % perSide, k / perSide / perSide);
+    body.pose.x = pitch * (cell + Vec3(0.5, 0.5, 0.5)) - Vec3(half, half, 0);
+    body.pose.q = random.rotation();
+    body.velocity = Vec3(0.05 * random.normal(), 0.05 * random.normal(), -1.0);
+    world.addBody(body);
+  }
+  ASSERT_EQ(world.bodies.size(), 200u);
+
+  const double dt = 0.5 * boundBeforeRun({{shape.get(), 0, 1200}}, world.materials, world.options.lawOptions).bound;
+  startHalfSteps(world, dt, 0, true);
+  for (int n = 0; n < 12000; ++n) step(world, dt);
+
+  EXPECT_GT(world.contactCount(), 200u);
+  EXPECT_EQ(world.report.narrow.uncertified, 0u);
+  EXPECT_LT(world.report.deepestOverlap, 0.08);
+  EXPECT_TRUE(world.report.troubles.empty());
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    const Vec3& x = world.bodies.x[i];
+    ASSERT_TRUE(x.allFinite() && world.bodies.q[i].coeffs().allFinite() && world.bodies.v[i].allFinite());
+    EXPECT_GT(x.z(), 0);
+    EXPECT_LT(x.head<2>().cwiseAbs().maxCoeff(), half);
+  }
+}
+
+}  // namespace
+}  // namespace granular
