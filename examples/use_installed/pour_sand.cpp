@@ -47,12 +47,12 @@ int main() {
     kinds.push_back({particle.shape.get(), sand, density});
   }
 
-  // A tenth of a second, at half of the largest stable step.
+  // Four tenths of a second, enough to come to rest, at half of the largest stable step.
   const TimeStepBound bound = boundBeforeRun(kinds, materials, LawOptions{});
   const double dt = bound.bound / 2;
   std::printf("%s\n%zu grains, steps of %.3g s\n", bound.explanation.c_str(), world.bodies.size(), dt);
   startHalfSteps(world, dt, 0, false);
-  while (world.time < 0.1) step(world, dt);
+  while (world.time < 0.4) step(world, dt);
 
   // Where they lie now.
   double top = 0;
