@@ -165,7 +165,8 @@ void touchGeneric(const Vessel& vessel, const Shape& shape, const Frame& frame, 
   std::array<Vec3, 9> found;
   std::size_t count = 0;
   for (int seed = 0; seed < 9; ++seed) {
-    Vec3 p = supportAlong(outward + double(seed % 3 - 1) * aside + double(seed / 3 - 1) * Vec3::UnitZ());
+    const int sideways = seed % 3 - 1, upwards = seed / 3 - 1;
+    Vec3 p = supportAlong(outward + sideways * aside + upwards * Vec3::UnitZ());
     for (int climb = 0; climb < 200; ++climb) {
       const Vec2 h = vessel.fromAxis(p);
       const Vec3 next = supportAlong(Vec3(h.x(), h.y(), 0));
