@@ -20,7 +20,7 @@ constexpr std::string_view directions[] = {"x", "y", "z"};
 constexpr std::string_view wallKinds[] = {"plane", "cylinder", "mesh"};
 constexpr std::string_view frictionLimits[] = {"total", "push"};
 constexpr std::string_view contactMasses[] = {"reduced", "local"};
-constexpr std::string_view laws[] = {"linear"};
+constexpr std::string_view laws[] = {"linear", "linear_local", "tensor"};
 constexpr std::string_view pointRules[] = {"witness", "manifold", "face_centroid", "pressure_centroid", "patch"};
 constexpr std::string_view integrators[] = {"seelen", "spiral"};
 constexpr std::string_view shapes[] = {"sphere",     "ellipsoid", "cylinder", "cone",    "cuboid",
@@ -76,7 +76,9 @@ void visitContactParameters(KeyVisitor& v, ContactParameters& p) {
 }
 
 void visitModel(KeyVisitor& v, ModelSettings& s) {
-  readTextChoice(v, {"law", "contact law: linear spring-dashpot with tangential history"}, s.law, laws);
+  readTextChoice(
+      v, {"law", "contact law: springs and dashpots of S; the same from the contact's own masses; a stiffness matrix"},
+      s.law, laws);
   v.readBoolean({"tension", "keep the attractive end of a damped contact, so that e = e_n; false: cut at 0"},
                 s.tension);
   v.readEnum({"friction_limit", "Coulomb's limit from the total normal force, or from its push alone"}, s.frictionLimit,

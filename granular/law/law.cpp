@@ -6,18 +6,30 @@
 
 #include "granular/core/errors.h"
 #include "granular/law/linear.h"
+#include "granular/law/tensor.h"
 
 namespace granular {
 namespace {
+
+using StiffnessFinder = ContactStiffness (*)(const LawConstants&, const LawOptions&, const ContactBody&,
+                                             const ContactBody&, const Vec3&);
 
 struct LawRow {
   LawKind kind;
   std::string_view name;
   Law function;
+  StiffnessFinder stiffness;
+  bool readsInertia;
 };
 
 // The table of laws: one row per law, in the order of LawKind.
-constexpr std::array<LawRow, 1> laws = {{{LawKind::linear, "linear", applyLinearLaw}}};
+constexpr std::array<LawRow, 3> laws = {{
+    {LawKind::linear, "linear", applyLinearLaw, findLinearStiffness, false},
+    {LawKind::linearLocal, "linear_local", applyLinearLocalLaw, findLocalStiffness, true},
+    {LawKind::tensor, "tensor", applyTensorLaw, summariseTensorStiffness, true},
+}};
+
+const LawRow& rowOf(LawKind kind) { return laws[static_cast<std::size_t>(kind)]; }
 
 void requireParameter(bool condition, const char* name, double value, const char* limit) {
   if (!condition)
@@ -76,9 +88,11 @@ LawConstants prepareLaw(const ContactParameters& p) {
   return c;
 }
 
-Law lawFunction(LawKind kind) { return laws[static_cast<std::size_t>(kind)].function; }
+Law lawFunction(LawKind kind) { return rowOf(kind).function; }
 
-std::string_view lawName(LawKind kind) { return laws[static_cast<std::size_t>(kind)].name; }
+std::string_view lawName(LawKind kind) { return rowOf(kind).name; }
+
+bool lawReadsInertia(LawKind kind, const LawOptions& options) { return rowOf(kind).readsInertia || options.localMass; }
 
 LawKind lawFromName(std::string_view name) {
   for (const LawRow& row : laws) {
@@ -89,9 +103,9 @@ LawKind lawFromName(std::string_view name) {
   throw InputError("unknown contact law \"" + std::string(name) + "\"; known:" + known);
 }
 
-ContactStiffness stiffnessOf(const LawConstants& constants, const LawOptions& options, const ContactBody& a,
-                             const ContactBody& b, const Vec3& normal) {
-  return findLinearStiffness(constants, options, a, b, normal);
+ContactStiffness stiffnessOf(LawKind kind, const LawConstants& constants, const LawOptions& options,
+                             const ContactBody& a, const ContactBody& b, const Vec3& normal) {
+  return rowOf(kind).stiffness(constants, options, a, b, normal);
 }
 
 }  // namespace granular

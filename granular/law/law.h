@@ -33,7 +33,7 @@ struct ContactBody {
   double inverseMass = 0;              ///< 1/kg; 0 for walls and fixed bodies
   double radiusRatio = 0;              ///< R = <r^2>/<I>, 1/kg; 0 for walls and fixed bodies
   Vec3 arm = Vec3::Zero();             ///< contact point - centre of mass, m
-  Mat3 inverseInertia = Mat3::Zero();  ///< world axes, 1/(kg m^2); read only with localMass
+  Mat3 inverseInertia = Mat3::Zero();  ///< world axes, 1/(kg m^2); filled if lawReadsInertia
 };
 
 /// Kinematics of one contact at t_n. Velocities handed to dashpots are those at t_n; the increment of the tangential
@@ -55,7 +55,11 @@ struct ContactMotion {
   Vec3 turn = Vec3::Zero();  ///< relative rotation during the last step: (w_A - w_B) at the half step times dt, rad
 };
 
-enum class LawKind : unsigned char { linear };
+enum class LawKind : unsigned char {
+  linear,       ///< S: one normal and one tangential spring, the latter from averaged masses
+  linearLocal,  ///< the same springs, from the masses that the contact point feels
+  tensor        ///< a stiffness matrix that makes normal and tangential motion isochronous
+};
 
 /// Constants of a parameter set that every contact of the pair of materials shares: all logarithms and roots of the
 /// law. The index of the two-valued ones is LawOptions::tension: 0 cut at 0, 1 attractive end kept.
@@ -79,18 +83,21 @@ using Law = void (*)(const LawConstants&, const LawOptions&, const ContactBody& 
                      const ContactMotion&, ContactHistory&, ContactForce&);
 /// The table of laws; one row per law.
 Law lawFunction(LawKind kind);
-/// Names as scene files spell them: "linear". Throws InputError for any other.
+/// Names as scene files spell them: "linear", "linear_local", "tensor". Throws InputError for any other.
 LawKind lawFromName(std::string_view name);
 std::string_view lawName(LawKind kind);
+/// True if the law reads ContactBody::inverseInertia.
+bool lawReadsInertia(LawKind kind, const LawOptions& options);
 
-/// Effective coefficients of one contact, for the bound on the time step (S 13-16).
+/// Effective coefficients of one contact, for the bound on the time step (S 13-16). tensor: the diagonal of its
+/// matrices.
 struct ContactStiffness {
   double normal = 0, tangential = 0;                ///< N/m
   double dampingNormal = 0, dampingTangential = 0;  ///< kg/s
   double contactTime = 0;                           ///< t_c, s
 };
-/// normal: read only with localMass. At least one body must be free.
-ContactStiffness stiffnessOf(const LawConstants&, const LawOptions&, const ContactBody& a, const ContactBody& b,
-                             const Vec3& normal);
+/// At least one body must be free.
+ContactStiffness stiffnessOf(LawKind kind, const LawConstants&, const LawOptions&, const ContactBody& a,
+                             const ContactBody& b, const Vec3& normal);
 
 }  // namespace granular

@@ -27,6 +27,11 @@ inline double localInverseMass(const ContactBody& body, const Vec3& n) {
   return body.inverseMass + lever.dot(body.inverseInertia * lever);
 }
 
+/// Trace of -[r]x I^-1 [r]x of one body: the sum of its lever terms over three perpendicular directions, 1/kg.
+inline double leverTrace(const ContactBody& body) {
+  return body.inverseInertia.trace() * body.arm.squaredNorm() - body.arm.dot(body.inverseInertia * body.arm);
+}
+
 /// The coefficients of one contact (S 13-16). localMass changes eta_n and t_c alone: k_t and eta_t stay those of S.
 inline ContactStiffness findLinearStiffness(const LawConstants& c, const LawOptions& options, const ContactBody& a,
                                             const ContactBody& b, const Vec3& normal) {
@@ -48,6 +53,27 @@ inline ContactStiffness findLinearStiffness(const LawConstants& c, const LawOpti
       options.localMass ? std::sqrt(k.normal / (localInverseMass(a, normal) + localInverseMass(b, normal))) : root;
   k.dampingNormal = c.dampingN[options.tension] * rootN;
   k.contactTime = c.timeFactor[options.tension] * rootN * c.inverseStiffness;
+  return k;
+}
+
+/// The coefficients of the same law with the contact's own masses in place of S's averages: 1/m_n = n.A n for mu, and
+/// the mean of A over the tangential directions for 1/m_t, A being the inverse mass that the contact point feels. For
+/// spheres they are those of S.
+inline ContactStiffness findLocalStiffness(const LawConstants& c, const LawOptions& options, const ContactBody& a,
+                                           const ContactBody& b, const Vec3& normal) {
+  const double inverseMn = localInverseMass(a, normal) + localInverseMass(b, normal);
+  const double trace = 3 * (a.inverseMass + b.inverseMass) + leverTrace(a) + leverTrace(b);
+  const double inverseMt = 0.5 * (trace - inverseMn);
+  assert(inverseMn > 0 && inverseMt > 0);
+  const double ratio = inverseMn / inverseMt;  // m_t/m_n
+  const double root = std::sqrt(c.parameters.stiffness / inverseMn);
+
+  ContactStiffness k;
+  k.normal = c.parameters.stiffness;
+  k.tangential = k.normal * c.stiffnessRatio * ratio;
+  k.dampingNormal = c.dampingN[options.tension] * root;
+  k.dampingTangential = c.dampingT * root * ratio;
+  k.contactTime = c.timeFactor[options.tension] * root * c.inverseStiffness;
   return k;
 }
 
@@ -164,14 +190,26 @@ inline Vec3 rubTangentially(const ContactStiffness& k, const LawOptions& options
   return -force;
 }
 
-/// The law itself. History is updated in place; out is overwritten.
-///
 /// A patch also turns about the normal against a torsional spring k_t (uu + vv), a dashpot eta_t (uu + vv) and
 /// Coulomb's limit mu_c |F_n| (2/3) sqrt(area/pi): the torque of even pressure on a disc of equal area that slips
-/// everywhere. Limits of sliding and twisting are held apart.
-inline void applyLinearLaw(const LawConstants& c, const LawOptions& options, const ContactBody& a, const ContactBody& b,
-                           const ContactMotion& m, ContactHistory& history, ContactForce& out) {
-  const ContactStiffness k = findLinearStiffness(c, options, a, b, m.normal);
+/// everywhere. Limits of sliding and twisting are held apart. limit: mu_c |F_n|, N.
+inline void twistPatch(const ContactMotion& m, double stiffness, double damping, double limit, ContactHistory& history,
+                       ContactForce& out) {
+  const double polar = m.area > 0 ? m.uu + m.vv : 0;
+  if (polar <= 0) {
+    history.twist = 0;
+    return;
+  }
+  constexpr double meanRadius = 0.37612638903183754;  // 2/3 / sqrt(pi)
+  history.twist += m.normal.dot(m.turn);
+  out.couple += slideTwist(limit * meanRadius * std::sqrt(m.area), stiffness * polar, damping * polar,
+                           m.normal.dot(m.spin), history.twist) *
+                m.normal;
+}
+
+/// The law with given coefficients. History is updated in place; out is overwritten.
+inline void pressAndRub(const ContactStiffness& k, const LawConstants& c, const LawOptions& options,
+                        const ContactMotion& m, ContactHistory& history, ContactForce& out) {
   const double elastic = m.share * k.normal * m.overlap, damping = m.share * k.dampingNormal;
 
   // Normal force, signed: > 0 pushes apart.
@@ -196,17 +234,20 @@ inline void applyLinearLaw(const LawConstants& c, const LawOptions& options, con
   // Friction, and a patch's friction against twisting.
   const double limit = c.parameters.friction * (options.frictionOfPush ? std::max(push, 0.0) : std::abs(push));
   out.force += rubTangentially(k, options, limit, m, history, out.sliding);
-  const double polar = m.area > 0 ? m.uu + m.vv : 0;
-  if (polar > 0) {
-    constexpr double meanRadius = 0.37612638903183754;  // 2/3 / sqrt(pi)
-    const double scale = m.share * polar;
-    history.twist += m.normal.dot(m.turn);
-    out.couple += slideTwist(limit * meanRadius * std::sqrt(m.area), k.tangential * scale, k.dampingTangential * scale,
-                             m.normal.dot(m.spin), history.twist) *
-                  m.normal;
-  } else {
-    history.twist = 0;
-  }
+  twistPatch(m, m.share * k.tangential, m.share * k.dampingTangential, limit, history, out);
+}
+
+/// The law as S has it: k_t and eta_t from averaged masses.
+inline void applyLinearLaw(const LawConstants& c, const LawOptions& options, const ContactBody& a, const ContactBody& b,
+                           const ContactMotion& m, ContactHistory& history, ContactForce& out) {
+  pressAndRub(findLinearStiffness(c, options, a, b, m.normal), c, options, m, history, out);
+}
+
+/// The law with the contact's own masses.
+inline void applyLinearLocalLaw(const LawConstants& c, const LawOptions& options, const ContactBody& a,
+                                const ContactBody& b, const ContactMotion& m, ContactHistory& history,
+                                ContactForce& out) {
+  pressAndRub(findLocalStiffness(c, options, a, b, m.normal), c, options, m, history, out);
 }
 
 }  // namespace granular

@@ -172,7 +172,7 @@ void PackingRun::chooseTimeStep() {
     alive.push_back(pour->makeShape(number));
     add(*alive.back(), materialOfGroup[group], densityOfGroup[group]);
   }
-  stepBound = boundBeforeRun(kinds, state->materials, state->options.lawOptions);
+  stepBound = boundBeforeRun(kinds, state->materials, state->options.law, state->options.lawOptions);
   if (settings.time.step) {
     dt = *settings.time.step;
     require(dt <= stepBound.bound, fmt::format("{}: time.step = {:g} s is above the stability bound {:.4g} s ({})",

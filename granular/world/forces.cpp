@@ -25,12 +25,12 @@ void matchSpots(std::vector<SpotHistory>& spots, const std::vector<Contact>& con
 }
 
 /// What a law reads of body i at a contact with this arm.
-ContactBody viewBody(const Bodies& bodies, std::size_t i, const Vec3& arm, bool localMass) {
+ContactBody viewBody(const Bodies& bodies, std::size_t i, const Vec3& arm, bool readsInertia) {
   ContactBody body;
   body.inverseMass = bodies.inverseMass[i];
   body.radiusRatio = bodies.radiusRatio[i];
   body.arm = arm;
-  if (localMass) {
+  if (readsInertia) {
     const Mat3& R = bodies.frame[i].R;
     body.inverseInertia = R * bodies.inverseInertia[i].asDiagonal() * R.transpose();
   }
@@ -47,11 +47,11 @@ struct Encounter {
 /// Geometry and velocities at t_{n+1}; slip and turn from the half step.
 Encounter meet(const World& world, const Contact& contact, double dt) {
   const Bodies& bodies = world.bodies;
-  const bool localMass = world.options.lawOptions.localMass;
+  const bool readsInertia = lawReadsInertia(world.options.law, world.options.lawOptions);
   const std::size_t a = at(contact.a);
   const Vec3& point = contact.patch.point;
   Encounter met;
-  met.a = viewBody(bodies, a, point - bodies.x[a], localMass);
+  met.a = viewBody(bodies, a, point - bodies.x[a], readsInertia);
   met.materialA = bodies.material[a];
 
   // The other party: a body's image, or a wall.
@@ -63,7 +63,7 @@ Encounter meet(const World& world, const Contact& contact, double dt) {
     met.materialB = wall.material;
   } else {
     const std::size_t b = at(contact.b);
-    met.b = viewBody(bodies, b, point - bodies.x[b] - contact.shift, localMass);
+    met.b = viewBody(bodies, b, point - bodies.x[b] - contact.shift, readsInertia);
     velocityB = bodies.v[b] + bodies.w[b].cross(met.b.arm);
     slipVelocityB = bodies.vHalf[b] + bodies.spinHalf[b].cross(met.b.arm);
     spinB = bodies.w[b];

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "granular/law/linear.h"
+
 namespace granular {
 namespace {
 
@@ -49,27 +51,48 @@ Compliance complianceOf(const Shape& shape) {
   return result;
 }
 
+/// The tensor law's tangential rates where they exceed the normal ones: rho^2 and zeta_t of law/tensor.h.
+void stretchRates(const LawConstants& constants, ContactStiffness& stiffness) {
+  stiffness.dampingNormal =
+      std::max(stiffness.dampingNormal, constants.dampingT * stiffness.contactTime * stiffness.normal / pi);
+  stiffness.normal *= std::max(1.0, constants.stiffnessRatio);
+}
+
 }  // namespace
 
 double stableRange(double z) { return 2 * (std::sqrt(1 + 4 * z * z) - 2 * z); }
 
-TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialTable& materials, const LawOptions& law,
-                             int contactsAssumed) {
+TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialTable& materials, LawKind law,
+                             const LawOptions& options, int contactsAssumed) {
   TimeStepBound result;
+  // The tensor law lets a body swing with the compliance of its partner too: the largest there is.
+  const bool shared = law == LawKind::tensor;
+  std::vector<Compliance> compliances;
+  Compliance largest;
   for (const BodyKind& kind : kinds) {
     const Compliance unit = complianceOf(*kind.shape);
+    compliances.push_back({unit.worst / kind.density, unit.mean / kind.density});
+    largest.worst = std::max(largest.worst, compliances.back().worst);
+    largest.mean = std::max(largest.mean, compliances.back().mean);
+  }
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    const BodyKind& kind = kinds[k];
+    Compliance felt = compliances[k];
+    if (shared) felt = {0.5 * (felt.worst + largest.worst), 0.5 * (felt.mean + largest.mean)};
     const MassProperties& properties = kind.shape->massProperties();
     ContactBody self;
     self.inverseMass = 1 / (kind.density * properties.volume);
     self.radiusRatio = properties.meanSquareRadius / (kind.density * properties.inertia.mean());
     for (int partner = 0; partner < materials.count(); ++partner) {
       const LawConstants& constants = materials.constants(kind.material, partner);
-      // A wall damps most for its stiffness; a twin makes the shortest contact.
-      const ContactStiffness wall = stiffnessOf(constants, law, self, ContactBody{}, Vec3::UnitZ());
-      const ContactStiffness twin = stiffnessOf(constants, law, self, self, Vec3::UnitZ());
+      // A wall damps most for its stiffness; a twin makes the shortest contact. Both through the centre of mass, where
+      // every law has the stiffness k_n.
+      ContactStiffness wall = stiffnessOf(LawKind::linear, constants, options, self, ContactBody{}, Vec3::UnitZ());
+      const ContactStiffness twin = stiffnessOf(LawKind::linear, constants, options, self, self, Vec3::UnitZ());
+      if (shared) stretchRates(constants, wall);
       Rates rates;
-      rates.add(wall, unit.worst / kind.density);
-      for (int k = 1; k < contactsAssumed; ++k) rates.add(wall, unit.mean / kind.density);
+      rates.add(wall, felt.worst);
+      for (int n = 1; n < contactsAssumed; ++n) rates.add(wall, felt.mean);
       result.contactTime = std::min(result.contactTime, twin.contactTime);
       if (rates.bound() < result.bound) {
         result.bound = rates.bound();
@@ -85,6 +108,7 @@ TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialT
 
 TimeStepBound boundOfContacts(const World& world) {
   const Bodies& bodies = world.bodies;
+  const LawKind law = world.options.law;
   std::vector<Rates> rates(bodies.size());
   TimeStepBound result;
   const auto bodyAt = [&](std::size_t i, const Vec3& arm) {
@@ -109,17 +133,29 @@ TimeStepBound boundOfContacts(const World& world) {
       materialB = world.walls[static_cast<std::size_t>(-1 - contact.b)]->material;
     }
     const Vec3& n = contact.touch.normal;
-    ContactStiffness stiffness = stiffnessOf(world.materials.constants(bodies.material[a], materialB),
-                                             world.options.lawOptions, bodyA, bodyB, n);
-    stiffness.normal *= contact.share;
-    stiffness.dampingNormal *= contact.share;
+    const LawConstants& constants = world.materials.constants(bodies.material[a], materialB);
+    ContactStiffness stiffness = stiffnessOf(law, constants, world.options.lawOptions, bodyA, bodyB, n);
     result.contactTime = std::min(result.contactTime, stiffness.contactTime);
+
+    // k g of either body; with the tensor law half the contact's own rate, in the direction that swings fastest.
+    const double compliance = localInverseMass(bodyA, n) + localInverseMass(bodyB, n);
     const auto addTo = [&](std::int32_t index, const ContactBody& body) {
       if (index < 0 || body.inverseMass == 0) return;
-      const Vec3 lever = body.arm.cross(n);
+      Rates& own = rates[static_cast<std::size_t>(index)];
       const double rocking = (contact.patch.uu + contact.patch.vv) * body.inverseInertia.diagonal().maxCoeff();
-      rates[static_cast<std::size_t>(index)].add(stiffness,
-                                                 body.inverseMass + lever.dot(body.inverseInertia * lever) + rocking);
+      ContactStiffness share = stiffness;
+      share.normal *= contact.share;
+      share.dampingNormal *= contact.share;
+      if (law != LawKind::tensor) {
+        own.add(share, localInverseMass(body, n) + rocking);
+        return;
+      }
+      own.add(share, rocking);
+      share.normal = contact.share * constants.parameters.stiffness;
+      share.dampingNormal =
+          contact.share * constants.dampingN[world.options.lawOptions.tension] * std::sqrt(share.normal / compliance);
+      stretchRates(constants, share);
+      own.add(share, 0.5 * compliance);
     };
     addTo(contact.a, bodyA);
     addTo(contact.b, bodyB);

@@ -5,6 +5,10 @@
 // in antiphase: omega^2 <= 2 sum k g. With the velocity predicted from the half step, the damped oscillator of damping
 // ratio z is stable up to omega dt = 2 (sqrt(1 + 4 z^2) - 2 z): 2 undamped, .72 at z = .6, .40 at z = 1.2 (its
 // amplification factor reaches -1 there).
+//
+// The tensor law's contact swings at w^2 = k_n n.A n, A of both bodies, in every direction. J^T K J has that as its
+// largest eigenvalue in the metric of the masses, and each contact gives it to both its bodies: omega^2 <= sum w^2. To
+// share the sum above, half of it counts as the body's k g.
 #pragma once
 
 #include <string>
@@ -29,8 +33,8 @@ struct BodyKind {
 
 /// Before a run: the bodies that will take part, with `contactsAssumed` contacts at once, one of them at the shape's
 /// worst place and the others at average places.
-TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialTable& materials, const LawOptions& law,
-                             int contactsAssumed = 8);
+TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialTable& materials, LawKind law,
+                             const LawOptions& options, int contactsAssumed = 8);
 
 /// During a run: the bodies with the contacts they have now.
 TimeStepBound boundOfContacts(const World& world);

@@ -28,7 +28,7 @@ class Drop {
 
   double contactTime(const Ball& ball) {
     body.inverseMass = 1 / ball.mass;
-    return stiffnessOf(law, choice, body, {}, -Vec3::UnitZ()).contactTime;
+    return stiffnessOf(LawKind::linear, law, choice, body, {}, -Vec3::UnitZ()).contactTime;
   }
 
   void run(Ball& ball, double dt, double time, bool untilApart = true) {
@@ -220,7 +220,7 @@ TEST(Slope, BlockSticksBelowTheAngleOfFrictionWithTheSpringAtItsRest) {
   drop.run(block, drop.contactTime(block) / 50, .5, false);
   ContactBody a;
   a.inverseMass = 1 / block.mass;
-  const double kt = stiffnessOf(prepareLaw({1e4, .3, .3, .4}), {}, a, {}, Vec3::UnitZ()).tangential;
+  const double kt = stiffnessOf(LawKind::linear, prepareLaw({1e4, .3, .3, .4}), {}, a, {}, Vec3::UnitZ()).tangential;
   EXPECT_NEAR(block.history.spring.x() * kt / (block.mass * 9.81 * std::sin(angle)), 1, 1e-9);
   EXPECT_NEAR(block.v.norm(), 0, 1e-12);
 }

@@ -35,7 +35,7 @@ ContactMotion makeMotion(double overlap = 1e-5) {
 
 TEST(Coefficients, AreThoseOfThePaper) {
   const ContactBody a = makeBody(2e-3), b = makeBody(5e-3);
-  const ContactStiffness k = stiffnessOf(makeLaw(), {}, a, b, Vec3::UnitZ());
+  const ContactStiffness k = stiffnessOf(LawKind::linear, makeLaw(), {}, a, b, Vec3::UnitZ());
   const double mu = 1 / (1 / 2e-3 + 1 / 5e-3), mt = 1 / (1 / mu + 2.5 / 2e-3 + 2.5 / 5e-3);
   const double phase = pi * pi + std::log(.8) * std::log(.8), time = std::sqrt(mu * phase / 1e4);
   EXPECT_NEAR(k.contactTime / time, 1, 1e-14);
@@ -60,7 +60,8 @@ TEST(Coefficients, WithLocalMassDampTheMassTheContactFeels) {
 
   LawOptions local;
   local.localMass = true;
-  const ContactStiffness k = stiffnessOf(makeLaw(), local, a, {}, n), usual = stiffnessOf(makeLaw(), {}, a, {}, n);
+  const ContactStiffness k = stiffnessOf(LawKind::linear, makeLaw(), local, a, {}, n),
+                         usual = stiffnessOf(LawKind::linear, makeLaw(), {}, a, {}, n);
   EXPECT_NEAR(k.dampingNormal / usual.dampingNormal, std::sqrt(1 / (inverse * 2e-3)), 1e-13);
   EXPECT_EQ(k.tangential, usual.tangential);
 }
@@ -70,7 +71,7 @@ TEST(Coefficients, OfRestitutionOneDampNothing) {
   for (const bool tension : {true, false}) {
     LawOptions options;
     options.tension = tension;
-    const ContactStiffness k = stiffnessOf(law, options, makeBody(), {}, Vec3::UnitZ());
+    const ContactStiffness k = stiffnessOf(LawKind::linear, law, options, makeBody(), {}, Vec3::UnitZ());
     EXPECT_EQ(k.dampingNormal, 0);
     EXPECT_EQ(k.dampingTangential, 0);
     EXPECT_NEAR(k.contactTime, pi * std::sqrt(2e-3 / 1e4), 1e-15);
@@ -121,12 +122,12 @@ TEST(Spring, GrowsByTheTangentialSlipAlone) {
   applyLinearLaw(makeLaw(), {}, makeBody(), {}, m, history, out);
   EXPECT_NEAR((history.spring - Vec3(2e-8, 4e-8, 0)).norm(), 0, 1e-22);
   EXPECT_FALSE(out.sliding);
-  const double kt = stiffnessOf(makeLaw(), {}, makeBody(), {}, m.normal).tangential;
+  const double kt = stiffnessOf(LawKind::linear, makeLaw(), {}, makeBody(), {}, m.normal).tangential;
   EXPECT_NEAR((out.force - Vec3(-kt * 2e-8, -kt * 4e-8, -.1)).norm(), 0, 1e-14);
 }
 
 TEST(Sliding, LeavesSpringAndDashpotAtCoulombsForce) {
-  const ContactStiffness k = stiffnessOf(makeLaw(), {}, makeBody(), {}, Vec3::UnitZ());
+  const ContactStiffness k = stiffnessOf(LawKind::linear, makeLaw(), {}, makeBody(), {}, Vec3::UnitZ());
   ContactMotion m = makeMotion();
   m.velocity = Vec3(1e-3, 2e-3, 0);
   m.slip = Vec3(3e-5, -1e-5, 0);
@@ -358,7 +359,8 @@ TEST(Twist, IsSprungAndThenHeldByFriction) {
   ContactHistory history;
   ContactForce out;
   applyLinearLaw(makeLaw(), {}, makeBody(), {}, m, history, out);
-  const double stiffness = stiffnessOf(makeLaw(), {}, makeBody(), {}, m.normal).tangential * (m.uu + m.vv);
+  const double stiffness =
+      stiffnessOf(LawKind::linear, makeLaw(), {}, makeBody(), {}, m.normal).tangential * (m.uu + m.vv);
   EXPECT_NEAR(out.couple.z() / (-stiffness * 1e-5), 1, 1e-12);
   EXPECT_NEAR(out.couple.head<2>().norm(), 0, 1e-18);
 
