@@ -1,9 +1,5 @@
 // The demo from outside: exit codes and messages.
-#include <sys/wait.h>
-
-#include <array>
-#include <cstdio>
-
+#include "run/demo_outcome.h"
 #include "run/scene_texts.h"
 
 namespace granular {
@@ -18,19 +14,8 @@ class PackingDemo : public RunTest {
     if (!fs::exists(GRANULAR_PACKING)) GTEST_SKIP() << GRANULAR_PACKING << " is not built";
   }
 
-  struct Outcome {
-    int code;
-    std::string text;  ///< both streams
-  };
-  static Outcome run(const std::string& arguments) {
-    const std::string command = std::string(GRANULAR_PACKING) + " " + arguments + " 2>&1";
-    FILE* pipe = ::popen(command.c_str(), "r");
-    std::string text;
-    std::array<char, 4096> buffer;
-    while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) text.append(buffer.data(), n);
-    const int status = ::pclose(pipe);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text};
-  }
+  using Outcome = DemoOutcome;
+  static Outcome run(const std::string& arguments) { return runDemo(GRANULAR_PACKING, arguments); }
   const std::string pour = "[insertion]\nkind = \"batches\"\ncount = 8\n";
 };
 
