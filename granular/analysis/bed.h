@@ -1,6 +1,7 @@
 // A packing as the analysis sees it: placed shapes, contacts, and the vessel around them. Nothing of the simulation.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -21,10 +22,16 @@ struct Vessel {
   enum class Kind { none, cylinder, box, periodic };
   Kind kind = Kind::none;
   Vec3 lo = Vec3::Zero(), hi = Vec3::Zero();  ///< box and periodic: bounds, m
-  bool periodicHeight = false;                ///< periodic: along z too, without a floor; otherwise along x and y
-  Vec2 axis = Vec2::Zero();                   ///< cylinder
-  double radius = 0;                          ///< cylinder, m
-  double floor = 0;                           ///< m
+  bool periodicX = true, periodicY = true;    ///< periodic: along these; walls at lo and hi along the other
+  bool periodicHeight = false;                ///< periodic: along z too, without a floor
+  /// Along which of x, y, z the bed repeats.
+  std::array<bool, 3> repeats() const {
+    if (kind != Kind::periodic) return {false, false, false};
+    return {periodicX, periodicY, periodicHeight};
+  }
+  Vec2 axis = Vec2::Zero();  ///< cylinder
+  double radius = 0;         ///< cylinder, m
+  double floor = 0;          ///< m
 };
 
 struct Bed {

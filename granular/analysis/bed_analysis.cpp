@@ -167,11 +167,11 @@ void listVessel(const Setting& s, std::vector<Quantity>& list) {
     list.push_back({"vessel_axis_y_m", "m", "y of the vessel's axis.", vessel.axis.y()});
     return;
   }
-  const std::string side = vessel.kind == Vessel::Kind::box ? "side wall." : "period.";
-  list.push_back({"vessel_lo_x_m", "m", "x of the lower " + side, vessel.lo.x()});
-  list.push_back({"vessel_lo_y_m", "m", "y of the lower " + side, vessel.lo.y()});
-  list.push_back({"vessel_hi_x_m", "m", "x of the upper " + side, vessel.hi.x()});
-  list.push_back({"vessel_hi_y_m", "m", "y of the upper " + side, vessel.hi.y()});
+  const auto side = [&](std::size_t axis) { return std::string(vessel.repeats()[axis] ? "period." : "side wall."); };
+  list.push_back({"vessel_lo_x_m", "m", "x of the lower " + side(0), vessel.lo.x()});
+  list.push_back({"vessel_lo_y_m", "m", "y of the lower " + side(1), vessel.lo.y()});
+  list.push_back({"vessel_hi_x_m", "m", "x of the upper " + side(0), vessel.hi.x()});
+  list.push_back({"vessel_hi_y_m", "m", "y of the upper " + side(1), vessel.hi.y()});
 }
 
 /// Mean of neighbours over the particles whose centre lies in the core.

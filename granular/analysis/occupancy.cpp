@@ -27,7 +27,7 @@ Occupancy::Occupancy(const Bed& bed) {
   require(bed.shapes.size() == bed.frames.size(), "bed: as many shapes as frames are needed");
   require(bed.size() > 0, "bed: no particles to analyse");
   if (bed.vessel.kind == Vessel::Kind::periodic) {
-    periodic = {true, true, bed.vessel.periodicHeight};
+    periodic = bed.vessel.repeats();
     periodLo = bed.vessel.lo;
     period = bed.vessel.hi - bed.vessel.lo;
     for (int k = 0; k < 3; ++k)

@@ -58,8 +58,14 @@ Domain makeDomain(const Bed& bed, double filling) {
       domain.hi = vessel.hi.array() - inner;
       break;
     case Vessel::Kind::periodic:
-      domain.period = vessel.hi - vessel.lo;
-      if (!vessel.periodicHeight) domain.period.z() = 0;
+      for (int k = 0; k < 3; ++k) {
+        if (vessel.repeats()[static_cast<std::size_t>(k)]) {
+          domain.period[k] = vessel.hi[k] - vessel.lo[k];
+        } else {
+          domain.lo[k] = vessel.lo[k] + inner;
+          domain.hi[k] = vessel.hi[k] - inner;
+        }
+      }
       break;
     case Vessel::Kind::none: {
       Aabb centres;

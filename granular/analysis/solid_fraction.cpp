@@ -63,7 +63,7 @@ Regions layOutRegions(const CrossSection& section, double height, double unit, d
                             " longest lengths from wall to middle, less than " +
                             describeLengths(margin + 0.25 * length, length) + ": no core.");
   if (!section.walled())
-    regions.notes.push_back("The vessel has no side wall: no near-wall region and no radial profile.");
+    regions.notes.push_back("The vessel is not walled all around: no near-wall region and no radial profile.");
   return regions;
 }
 

@@ -156,6 +156,8 @@ Vessel makeVessel(const Scene& scene) {
       vessel.kind = scene.vessel.kind == VesselSettings::Kind::box ? Vessel::Kind::box : Vessel::Kind::periodic;
       vessel.lo = Vec3(-0.5 * scene.vessel.size.x(), -0.5 * scene.vessel.size.y(), 0);
       vessel.hi = Vec3(0.5 * scene.vessel.size.x(), 0.5 * scene.vessel.size.y(), scene.vessel.size.z());
+      vessel.periodicX = repeats(scene.vessel, "x");
+      vessel.periodicY = repeats(scene.vessel, "y");
       vessel.periodicHeight = repeats(scene.vessel, "z");
       break;
   }

@@ -145,6 +145,16 @@ TEST(PairDistribution, OfIndependentPointsIsOneInABox) {
   expectNoStructure(owned.bed, 4.02);
 }
 
+TEST(PairDistribution, OfIndependentPointsIsOneBetweenWallsAlongOneAxis) {
+  OwnedBed owned{std::make_shared<Sphere>(0.01), {}};
+  owned.bed.vessel = makeBox(Vec3(6, 1.02, 9), Vessel::Kind::periodic);
+  owned.bed.vessel.periodicY = false;
+  Random random(19);
+  for (int k = 0; k < 4000; ++k)
+    owned.add({6 * random.uniform(), 0.01 + random.uniform(), 0.01 + 4 * random.uniform()});
+  expectNoStructure(owned.bed, 4.02);
+}
+
 TEST(BedAnalysis, GivesTheSameBitsForAnyNumberOfThreads) {
   Random random(23);
   OwnedBed owned{std::make_shared<Cuboid>(Vec3(0.3, 0.2, 0.5)), {}};

@@ -58,6 +58,24 @@ TEST(Occupancy, PeriodicImagesContinueParticlesAcrossTheBoundary) {
   }
 }
 
+TEST(Occupancy, ImagesStandOnlyAlongTheAxesThatRepeat) {
+  for (const int repeating : {0, 1}) {
+    OwnedBed owned{std::make_shared<Sphere>(0.5), {}};
+    owned.add({0.1, 0.2, 2.0});
+    owned.bed.vessel = makeBox(Vec3::Constant(4), Vessel::Kind::periodic);
+    owned.bed.vessel.periodicX = repeating == 0;
+    owned.bed.vessel.periodicY = repeating == 1;
+    const Occupancy occupancy(owned.bed);
+    Random random(4);
+    for (int k = 0; k < 20000; ++k) {
+      const Vec3 p(random.uniform(-6, 6), random.uniform(-6, 6), random.uniform(0, 4));
+      Vec3 d = p - owned.bed.frames[0].x;
+      d[repeating] -= 4 * std::round(d[repeating] / 4);
+      ASSERT_EQ(occupancy.contains(p), d.norm() <= 0.5);
+    }
+  }
+}
+
 TEST(Occupancy, RefusesAnEmptyBed) { EXPECT_THROW(Occupancy(Bed{}), InputError); }
 
 TEST(SolidFraction, SimpleCubicSpheresFillPiOverSix) {
