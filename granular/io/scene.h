@@ -23,9 +23,9 @@ struct VesselSettings {
   enum class Kind { cylinder, box, periodic, none };
   Kind kind = Kind::none;
   double radius = 0;         ///< cylinder, m
-  Vec3 size = Vec3::Zero();  ///< box and periodic, m: x and y centred on the axis, z from the floor
+  Vec3 size = Vec3::Zero();  ///< box and periodic, m: x and y centred on the axis, z from the floor to the rim
   std::vector<std::string> periodic = {"x", "y"};  ///< periodic: directions that repeat; the others have walls
-  std::optional<double> height;                    ///< cylinder: m; not given: as high as the bed needs
+  std::optional<double> height;                    ///< cylinder: of the rim, m; not given: as high as the bed needs
   std::string material;                            ///< empty: the first material
 };
 
@@ -106,7 +106,7 @@ struct ParticleSettings {
   std::optional<Interval>
       extent;  ///< scaled so that the longest extent falls uniformly in it, m; not given: as the file says
   std::int64_t maxVertices = 60;  ///< of the hull
-  Use use = Use::hull;            ///< exact: full hull for contacts, mass of the mesh, which must be closed
+  Use use = Use::hull;            ///< exact: all of the hull for contacts, mass of the mesh, which must be closed
 
   // sand: points spread on a template, their hull (S section 8).
   Template sandTemplate = Template::sphere;
@@ -117,7 +117,7 @@ struct ParticleSettings {
   // woodchip: hull of four points on a circle at either end (S section 8).
   Interval length{5e-3, 7e-3}, thinRadius{0.4e-3, 0.7e-3}, thickRadius{1.0e-3, 1.3e-3};  ///< m
 
-  std::int64_t variants = 0;  ///< sand, woodchip: different shapes made; 0: each particle its own
+  std::int64_t variants = 0;  ///< mesh, sand, woodchip: different shapes drawn; 0: each particle its own
   std::int64_t count = 0;     ///< particles; 0: by share
   double share = 0;           ///< part of insertion.count, by number
   std::string material;       ///< empty: the first material
@@ -133,7 +133,7 @@ struct InsertionSettings {
   std::int64_t count = 0;        ///< in all groups together; 0: the groups' counts say it
   Interval batch{20, 60};        ///< particles per batch (S table 7)
   double rate = 0;               ///< rain, 1/s
-  std::optional<double> height;  ///< lowest insertion plane above the bed's top, m; not given: half the longest extent
+  std::optional<double> height;  ///< lowest insertion plane above the bed's top, m; not given: the lowest free place
   double speed = 0;              ///< downwards, m/s
   Orientation orientation = Orientation::random;
   double energy = 1e-2;        ///< batches: consolidated when kinetic energy per particle falls below this times m g d

@@ -48,7 +48,7 @@ void checkMaterials(const Scene& scene, const Report& report) {
   }
 }
 
-void checkSize(const SizeSettings& size, const std::string& path, const Report& report) {
+void checkSize(const SizeSettings& size, bool hasExtent, const std::string& path, const Report& report) {
   using Distribution = SizeSettings::Distribution;
   if (size.distribution == Distribution::uniform && (size.min <= 0 || size.max == infinity))
     report(path, "distribution = \"uniform\" needs both min and max");
@@ -59,6 +59,8 @@ void checkSize(const SizeSettings& size, const std::string& path, const Report& 
     report(path + ".mean", fmt::format("the mean ({:g}) must lie between min and max", size.mean));
   if (size.distribution == Distribution::normal && size.min <= 0 && size.mean < 4 * size.deviation)
     report(path + ".min", "a normal distribution this wide needs a smallest size");
+  if (size.as == SizeSettings::As::diameter && hasExtent)
+    report(path + ".as", "\"diameter\" says how large the particles are, and so does their extent: give one of them");
   if (size.as == SizeSettings::As::diameter && size.distribution == Distribution::fixed && size.value == 1)
     report(path + ".value", "as = \"diameter\" needs the diameter as value");
   if (size.distribution != Distribution::sieve) return;
@@ -114,7 +116,7 @@ void checkParticles(const Scene& scene, const Report& report) {
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {
     const ParticleSettings& p = scene.particles[k];
     const std::string path = fmt::format("particles.{}", k);
-    checkSize(p.size, path + ".size", report);
+    checkSize(p.size, p.extent.has_value(), path + ".size", report);
 
     // A diameter given by the size table replaces the shape's own.
     const bool factor = p.size.as == SizeSettings::As::multiplier;

@@ -46,11 +46,17 @@ void readTextChoice(KeyVisitor& v, const Key& key, std::string& value, std::span
 void visitVessel(KeyVisitor& v, VesselSettings& s) {
   v.readKind({"kind", "what holds the bed; axis along z, floor at z = 0", "", true}, s.kind, vesselKinds);
   v.readNumber({"radius", "inner radius", "cylinder", true}, s.radius, D::length, positive);
-  v.readVector({"size", "inner lengths; x and y centred on the origin, z up from the floor", "box|periodic", true},
+  v.readVector({"size",
+                "inner lengths; x and y centred on the origin, z up from the floor: pouring ends where a particle "
+                "would reach above",
+                "box|periodic", true},
                s.size, D::length, positive);
   v.readNames({"periodic", "directions that repeat; the others have walls", "periodic"}, s.periodic, directions);
-  v.readOptional({"height", "the bed may not rise above it; auto: as high as the bed needs", "cylinder"}, s.height,
-                 D::length, positive);
+  v.readOptional(
+      {"height",
+       "of the rim above the floor: pouring ends where a particle would reach above; auto: as high as the bed needs",
+       "cylinder"},
+      s.height, D::length, positive);
   v.readText({"material", "of floor and sides; default: the first material", "cylinder|box|periodic"}, s.material);
 }
 
@@ -115,14 +121,24 @@ void visitSize(KeyVisitor& v, SizeSettings& s) {
 }
 
 void visitMadeUpKeys(KeyVisitor& v, ParticleSettings& s) {
-  v.readFiles({"files", "meshes, taken in turn (OBJ, STL, PLY, OFF, glTF)", "mesh", true}, s.files);
+  v.readFiles(
+      {"files", "meshes (OBJ, STL, PLY, OFF, glTF); each particle is one of them, drawn at random", "mesh", true},
+      s.files);
   v.readUnit({"unit", "length of one unit of the files", "mesh", true}, s.unit);
   Interval extent = s.extent.value_or(Interval{});
-  v.readInterval({"extent", "longest extent after scaling, one or [smallest, largest]; default: unscaled", "mesh"},
-                 extent, D::length, positive);
+  v.readInterval(
+      {"extent",
+       "longest extent after scaling, one or [smallest, largest]; default: unscaled; not with size.as = \"diameter\"",
+       "mesh"},
+      extent, D::length, positive);
   if (extent.hi > 0) s.extent = extent;
   v.readInteger({"max_vertices", "vertex budget of the hull", "mesh"}, s.maxVertices, {4, 10000});
-  v.readEnum({"use", "hull: the convex hull; exact: the mesh itself, closed and convex", "mesh"}, s.use, uses);
+  v.readEnum({"use",
+              "hull: a solid hull of max_vertices; exact: all of the hull for contacts, volume and inertia of the "
+              "mesh, which must "
+              "be closed",
+              "mesh"},
+             s.use, uses);
   v.readEnum({"template", "surface the points are spread on", "sand"}, s.sandTemplate, templates);
   v.readNumber({"aspect", "of the ellipsoid template: length over width", "sand"}, s.aspect, D::none, positive);
   v.readInterval({"vertex_count", "number of points, drawn uniformly", "sand"}, s.vertexCount, D::none, {4, 1000});
@@ -133,8 +149,8 @@ void visitMadeUpKeys(KeyVisitor& v, ParticleSettings& s) {
                  positive);
   v.readInterval({"thick_radius", "circle of the four points at the thick end", "woodchip"}, s.thickRadius, D::length,
                  positive);
-  v.readInteger({"variants", "different shapes made; 0: every particle its own", "mesh|sand|woodchip"}, s.variants,
-                notNegative);
+  v.readInteger({"variants", "different shapes drawn for the group; 0: every particle its own", "mesh|sand|woodchip"},
+                s.variants, notNegative);
 }
 
 void visitParticles(KeyVisitor& v, ParticleSettings& s) {
@@ -164,8 +180,10 @@ void visitInsertion(KeyVisitor& v, InsertionSettings& s) {
   v.readInterval({"batch", "particles per batch, one number or [fewest, most]", "batches"}, s.batch, D::none,
                  atLeastOne);
   v.readNumber({"rate", "particles per second", "rain", true}, s.rate, D::rate, positive);
-  v.readOptional({"height", "of the insertion above the bed's top; auto: half the longest extent", "batches|rain"},
-                 s.height, D::length, notNegative);
+  v.readOptional(
+      {"height", "lowest place of insertion above the bed's top; auto: the lowest free one, in hollows of the bed too",
+       "batches|rain"},
+      s.height, D::length, notNegative);
   v.readNumber({"speed", "downwards at insertion", "batches|rain"}, s.speed, D::velocity, notNegative);
   v.readEnum({"orientation", "at insertion", "batches|rain"}, s.orientation, orientations);
   v.readNumber(
@@ -209,7 +227,7 @@ void visitOutput(KeyVisitor& v, OutputSettings& s) {
   v.readBoolean({"picture", "a rendered picture of the bed"}, s.picture);
   v.readBoolean({"plots", "plots of the profiles"}, s.plots);
   v.readBoolean({"particles", "a table of all particles"}, s.particles);
-  v.readBoolean({"contacts", "a table of all contacts, and the force network"}, s.contacts);
+  v.readBoolean({"contacts", "a table of all contacts, and the force network with every frame"}, s.contacts);
   v.readInteger({"resolution", "segments around a circle of a curved surface"}, s.resolution, {6, 360});
 }
 
@@ -249,7 +267,8 @@ void visitGeneral(KeyVisitor& v, Scene& s) {
   v.readVector({"gravity", "acceleration"}, s.gravity, D::acceleration, anything);
   std::vector<std::string_view> skips = {"all", "none"};
   skips.insert(skips.end(), std::begin(skipNames), std::end(skipNames));
-  v.readNames({"skip", "what a run may leave out, each without changing the result"}, s.skip, skips);
+  v.readNames({"skip", "what a run may leave out; only sleep, where settle.kind asks for it, changes the result"},
+              s.skip, skips);
 }
 
 void visitMaterials(KeyVisitor& v, Scene& s) {

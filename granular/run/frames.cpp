@@ -48,10 +48,11 @@ void FrameWriter::write(const World& world, std::int64_t number) {
       makeArray<float>("spin", n, [&](std::size_t i) { return bodies.w[i].norm(); }),
   };
   const std::string name = fmt::format("particles_{:05d}.vtp", number);
-  const std::string network = fmt::format("contacts_{:05d}.vtp", number);
   writePolyData(folder / name, makeSurfaces(bed.shapes, bed.frames, arrays, static_cast<int>(scene.output.resolution)));
-  writePolyData(folder / network, makeForceNetwork(bed));
   particles.add(world.time, folder / name);
+  if (!scene.output.contacts) return;
+  const std::string network = fmt::format("contacts_{:05d}.vtp", number);
+  writePolyData(folder / network, makeForceNetwork(bed));
   contacts.add(world.time, folder / network);
 }
 

@@ -89,8 +89,27 @@ void useTemplate(const ParticleSettings& group, ShapePointer base, PourGroup& ou
   out.longestExtent = [base, settings](double size) { return base->longestExtent() * factorOf(settings, size, *base); };
 }
 
+/// Shapes for the particles of a group: each its own, or one of `variants` drawn beforehand from their own stream.
+template <class Make>
+std::function<ShapePointer(Random&)> drawFrom(const ParticleSettings& group, std::uint64_t seed, Make make) {
+  if (group.variants == 0) return make;
+  std::vector<ShapePointer> variants;
+  Random random(seed);
+  for (std::int64_t k = 0; k < group.variants; ++k) variants.push_back(make(random));
+  return [variants](Random& choice) { return variants[choice.below(variants.size())]; };
+}
+
+/// Brings every shape that is drawn to the drawn size.
+Maker makeSized(const SizeSettings& settings, std::function<ShapePointer(Random&)> draw) {
+  return [settings, draw = std::move(draw)](double size, Random& random) {
+    ShapePointer shape = draw(random);
+    const double factor = factorOf(settings, size, *shape);
+    return factor == 1 ? shape : scaledShape(*shape, factor);
+  };
+}
+
 /// Rocks: every particle one of the files, chosen at random, its longest extent drawn uniformly.
-void useMeshes(const ParticleSettings& group, PourGroup& out) {
+void useMeshes(const ParticleSettings& group, std::uint64_t seed, PourGroup& out) {
   std::vector<ShapePointer> rocks;
   for (const auto& file : group.files) {
     RockOptions options;
@@ -103,12 +122,12 @@ void useMeshes(const ParticleSettings& group, PourGroup& out) {
   }
   const SizeSettings settings = group.size;
   const std::optional<Interval> extent = group.extent;
-  out.make = [rocks, settings, extent](double size, Random& random) -> ShapePointer {
+  const auto draw = [rocks, extent](Random& random) -> ShapePointer {
     const ShapePointer& rock = rocks[random.below(rocks.size())];
-    double factor = factorOf(settings, size, *rock);
-    if (extent) factor *= random.uniform(extent->lo, extent->hi) / rock->longestExtent();
+    const double factor = extent ? random.uniform(extent->lo, extent->hi) / rock->longestExtent() : 1;
     return factor == 1 ? rock : scaledShape(*rock, factor);
   };
+  out.make = makeSized(settings, drawFrom(group, seed, draw));
   out.longestExtent = [rocks, settings, extent](double size) {
     double longest = 0;
     for (const ShapePointer& rock : rocks) {
@@ -119,27 +138,14 @@ void useMeshes(const ParticleSettings& group, PourGroup& out) {
   };
 }
 
-/// Made-up particles: each its own, or one of `variants` drawn beforehand.
+/// Made-up particles.
 template <class Make>
 void useMade(const ParticleSettings& group, double longest, std::uint64_t seed, Make make, PourGroup& out) {
   const SizeSettings settings = group.size;
   require(settings.as == SizeSettings::As::multiplier,
           "size.as = \"diameter\" is not available for made-up particles: give their size as a multiplier");
   out.longestExtent = [longest](double size) { return longest * size; };
-  const auto sized = [settings](ShapePointer shape, double size) {
-    const double factor = factorOf(settings, size, *shape);
-    return factor == 1 ? shape : scaledShape(*shape, factor);
-  };
-  if (group.variants == 0) {
-    out.make = [make, sized](double size, Random& random) { return sized(make(random), size); };
-    return;
-  }
-  std::vector<ShapePointer> variants;
-  Random random(seed);
-  for (std::int64_t k = 0; k < group.variants; ++k) variants.push_back(make(random));
-  out.make = [variants, sized](double size, Random& choice) {
-    return sized(variants[choice.below(variants.size())], size);
-  };
+  out.make = makeSized(settings, drawFrom(group, seed, make));
 }
 
 SandOptions sandOptionsOf(const ParticleSettings& group) {
@@ -197,8 +203,8 @@ std::vector<std::int64_t> countsOf(const Scene& scene) {
 }  // namespace
 
 std::vector<PourGroup> makePourGroups(const Scene& scene) {
-  const bool pours = scene.insertion.kind == InsertionSettings::Kind::batches ||
-                     scene.insertion.kind == InsertionSettings::Kind::rain;
+  const bool pours =
+      scene.insertion.kind == InsertionSettings::Kind::batches || scene.insertion.kind == InsertionSettings::Kind::rain;
   require(!pours || scene.vessel.kind != VesselSettings::Kind::none,
           scene.file.string() + ": vessel.kind = \"none\" leaves no place to pour into: give a vessel, or poses");
   const std::vector<std::int64_t> counts = countsOf(scene);
@@ -213,7 +219,7 @@ std::vector<PourGroup> makePourGroups(const Scene& scene) {
     try {
       switch (settings.shape) {
         case ParticleSettings::Shape::mesh:
-          useMeshes(settings, group);
+          useMeshes(settings, seed, group);
           break;
         case ParticleSettings::Shape::sand: {
           const SandOptions options = sandOptionsOf(settings);

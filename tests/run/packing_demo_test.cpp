@@ -31,6 +31,15 @@ TEST_F(PackingDemo, EverySceneShippedIsAccepted) {
   EXPECT_GT(scenes, 0);
 }
 
+TEST_F(PackingDemo, DocumentHoldsTheKeysAsPrinted) {
+  const Outcome reference = run("--help-scene");
+  ASSERT_EQ(reference.code, 0);
+  std::ifstream file(std::string(GRANULAR_SOURCE_DIR) + "/docs/scenes.md");
+  const std::string document{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(document.find(reference.text), std::string::npos)
+      << "docs/scenes.md is behind: put the output of packing --help-scene in again";
+}
+
 TEST_F(PackingDemo, BadInputExitsWithOneAndTheMessage) {
   const Outcome missing = run("absent.toml --dry-run");
   EXPECT_EQ(missing.code, 1);
