@@ -113,7 +113,7 @@ bool Inserter::place(const Columns& columns, double bedTop, NewParticle& particl
   Random random = makeStream(seed, Use::pose, particle.number, progress.calls);
   const double plane = bedTop + options.height.value_or(0);
   const double lowest = options.height ? plane : region.floor;
-  const double ceiling = plane + options.reach * shape.longestExtent();
+  const double ceiling = std::min(plane + options.reach * shape.longestExtent(), region.ceiling);
   for (int attempt = 0; attempt < options.attempts; ++attempt) {
     ++progress.attempts;
     // A new orientation with each column: long particles fit near a wall only when they lie along it.
@@ -150,8 +150,10 @@ std::vector<NewParticle> Inserter::insert(double time, bool consolidated, std::s
     if (!place(columns, bedTop, particle)) {
       ++progress.postponed;
       progress.nextTime = time + options.retry;
+      if (consolidated && fresh.empty() && region.ceiling < infinity) ++progress.refusals;
       break;
     }
+    progress.refusals = 0;
     columns.add(*particle.shape, Frame(particle.pose));
     ++progress.placed;
     if (options.kind == PourOptions::Kind::batches) --progress.batchLeft;

@@ -13,7 +13,7 @@
 
 namespace granular {
 
-/// Where particles may be put. Axis along z; the floor at z = floor, no ceiling.
+/// Where particles may be put. Axis along z; the floor at z = floor.
 struct Region {
   enum class Kind : unsigned char { box, cylinder, periodic };
   Kind kind = Kind::box;
@@ -22,6 +22,7 @@ struct Region {
   Vec2 axis = Vec2::Zero();                   ///< cylinder
   double radius = 0;                          ///< cylinder, m
   double floor = 0;                           ///< m
+  double ceiling = infinity;                  ///< no particle is put where it reaches higher, m
 
   /// Narrowest horizontal width, m; half of a repeating one, since a particle must not meet its own image.
   double width() const;

@@ -134,4 +134,15 @@ void checkPoses(std::span<const PlacedShape> particles, std::span<const std::int
   throw InputError(message);
 }
 
+void checkBelow(double ceiling, std::span<const PlacedShape> particles, std::span<const std::int64_t> ids,
+                double allowed) {
+  for (std::size_t k = 0; k < particles.size(); ++k) {
+    const Shape& shape = *particles[k].shape;
+    const double top = shape.bounds(particles[k].frame).hi.z();
+    require(top <= ceiling + allowed * shape.size(),
+            fmt::format("particle {} ({}) reaches up to {:.4g} m, above the vessel's rim at {:.4g} m", ids[k],
+                        shape.describe(), top, ceiling));
+  }
+}
+
 }  // namespace granular

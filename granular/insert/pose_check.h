@@ -24,4 +24,8 @@ std::vector<PoseOverlap> findOverlaps(std::span<const PlacedShape> particles, st
 void checkPoses(std::span<const PlacedShape> particles, std::span<const std::int64_t> ids, const Periods& periods,
                 std::span<const Wall* const> walls, double allowed);
 
+/// Throws InputError naming the first particle that reaches above the ceiling (m) by more than `allowed` of its size.
+void checkBelow(double ceiling, std::span<const PlacedShape> particles, std::span<const std::int64_t> ids,
+                double allowed);
+
 }  // namespace granular

@@ -51,6 +51,13 @@ RunResult collectRun(const PackingRun& run, RunEnd end, int threads) {
   for (int k = 0; k < stageCount; ++k) {
     result.stageTimes.emplace_back(stageName(static_cast<Stage>(k)), report.seconds[static_cast<std::size_t>(k)]);
   }
+  const Inserter& pour = run.inserter();
+  const std::int64_t leftOut = pour.isFull() ? pour.count() - pour.state().placed : 0;
+  if (leftOut > 0) {
+    result.notes.push_back(
+        fmt::format("The vessel is full: {} of {} particles are in; the next found no place below its rim at {:g} m.",
+                    pour.state().placed, pour.count(), makeRegion(run.scene()).ceiling));
+  }
   result.more = {{"step_bound_s", run.bound().bound},
                  {"step_bound_of_contacts_s", run.progress().smallestBound},
                  {"contact_time_s", run.bound().contactTime},
@@ -58,6 +65,7 @@ RunResult collectRun(const PackingRun& run, RunEnd end, int threads) {
                  {"contact_steps", static_cast<double>(report.contactSteps)},
                  {"batches_not_consolidated", static_cast<double>(run.progress().lateBatches)},
                  {"insertions_postponed", static_cast<double>(run.inserter().state().postponed)},
+                 {"particles_left_out", static_cast<double>(leftOut)},
                  {"bodies_fallen_asleep", static_cast<double>(world.sleep.fallen)},
                  {"bodies_woken", static_cast<double>(world.sleep.woken)},
                  {"energy_let_go_asleep_j", world.sleep.energyLetGo}};

@@ -149,6 +149,7 @@ void PackingRun::placePoses() {
   for (const auto& wall : state->walls) walls.push_back(wall.get());
   if (placed.empty()) return;
   try {
+    checkBelow(makeRegion(settings).ceiling, placed, state->bodies.id, insertion.maxOverlap);
     checkPoses(placed, state->bodies.id, state->options.periods, walls, insertion.maxOverlap);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", insertion.file.string(), error.what()));
@@ -208,6 +209,9 @@ void PackingRun::insertDue() {
     counters.calm = 0;
     counters.batchStart = state->time;
   }
+  require(!pour->isFull() || !state->bodies.x.empty(),
+          fmt::format("{}: no particle fits below the vessel's rim at {:g} m", settings.file.string(),
+                      makeRegion(settings).ceiling));
   if (pour->isDone()) counters.pouredAt = state->time;
 }
 
@@ -308,7 +312,7 @@ RunEnd PackingRun::run(const std::filesystem::path& out, const volatile std::sig
 double PackingRun::shareDone() const {
   // Pouring is most of the work; the final rest comes by itself.
   const double poured =
-      pour->count() > 0 ? static_cast<double>(pour->state().placed) / static_cast<double>(pour->count()) : 1;
+      !pour->isDone() ? static_cast<double>(pour->state().placed) / static_cast<double>(pour->count()) : 1;
   // The cost of a step grows with the particles: the work done is nearly the square of the share poured.
   return 0.9 * poured * poured + (isResting() ? 0.1 : 0);
 }
@@ -316,7 +320,7 @@ double PackingRun::shareDone() const {
 std::string PackingRun::describeProgress() const {
   const Bodies& bodies = state->bodies;
   const auto asleep = std::count(bodies.state.begin(), bodies.state.end(), BodyState::asleep);
-  const std::int64_t left = pour->count() - pour->state().placed;
+  const std::int64_t left = pour->isDone() ? 0 : pour->count() - pour->state().placed;
   return fmt::format(
       "t = {:.3f} s, {} of {} particles, {} asleep, {} contacts, kinetic energy {:.1e} m g d, deepest overlap {:.2f} %",
       state->time, bodies.size(), static_cast<std::int64_t>(bodies.size()) + left, asleep, state->contactCount(),

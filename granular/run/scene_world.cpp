@@ -131,6 +131,7 @@ Region makeRegion(const Scene& scene) {
   if (vessel.kind == VesselSettings::Kind::cylinder) {
     region.kind = Region::Kind::cylinder;
     region.radius = vessel.radius;
+    region.ceiling = vessel.height.value_or(infinity);
     return region;
   }
   region.kind = vessel.kind == VesselSettings::Kind::periodic ? Region::Kind::periodic : Region::Kind::box;
@@ -138,6 +139,7 @@ Region makeRegion(const Scene& scene) {
   region.repeatY = repeats(vessel, "y");
   region.lo = -0.5 * vessel.size.head<2>();
   region.hi = 0.5 * vessel.size.head<2>();
+  if (vessel.kind != VesselSettings::Kind::none && !repeats(vessel, "z")) region.ceiling = vessel.size.z();
   return region;
 }
 

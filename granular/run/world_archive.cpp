@@ -197,7 +197,7 @@ void visitTroubles(Archive& archive, std::vector<Trouble>& troubles) {
   archive.inGroup("troubles", [&] {
     archive.visitMember("time", troubles, &Trouble::time, {"s", ""});
     visitField<std::uint8_t>(
-        archive, "kind", troubles, [](Trouble& t) -> auto& { return t.kind; });
+        archive, "kind", troubles, [](Trouble & t) -> auto& { return t.kind; });
     archive.visitMember("body_a", troubles, &Trouble::bodyA);
     archive.visitMember("body_b", troubles, &Trouble::bodyB);
     archive.visitMember("value", troubles, &Trouble::value, {"", "overlap over size, or speed in m/s"});
@@ -273,6 +273,7 @@ void describe(Archive& archive, PourState& state) {
   archive.visit("attempts", state.attempts);
   archive.visit("postponed", state.postponed);
   archive.visit("next_time", state.nextTime, {"s", ""});
+  archive.visit("refusals", state.refusals);
 }
 
 void describe(Archive& archive, RunProgress& progress) {

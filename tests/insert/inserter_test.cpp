@@ -156,6 +156,41 @@ TEST(Inserter, WhatFindsNoPlaceIsCountedAndTriedLater) {
   EXPECT_GE(inserter.insert(options.retry, false, {}).size(), 2u);
 }
 
+TEST(Inserter, IsDoneWhenABedAtRestLeavesNoRoomBelowTheCeiling) {
+  for (const auto kind : {PourOptions::Kind::batches, PourOptions::Kind::rain}) {
+    PourOptions options;
+    options.kind = kind;
+    options.rate = 1e9;
+    Region region = makeVessel(5e-3);
+    region.ceiling = 12e-3;
+    Inserter inserter(options, {makeGrains(500)}, region, {}, 7);
+    std::vector<NewParticle> all;
+    std::vector<PlacedShape> present;
+    double time = 0;
+    const auto call = [&](bool consolidated) {
+      time += options.retry;
+      const auto fresh = inserter.insert(time, consolidated, present);
+      for (const NewParticle& p : fresh) {
+        EXPECT_LE(p.shape->bounds(Frame(p.pose)).hi.z(), region.ceiling);
+        all.push_back(p);
+        present.push_back({p.shape.get(), Frame(p.pose)});
+      }
+      return fresh.size();
+    };
+    while (call(true) > 0) {
+    }
+    // As long as anything moves, room may come.
+    for (int k = 0; k < 20; ++k) call(false);
+    EXPECT_FALSE(inserter.isDone());
+    for (int k = 0; k < 100 && !inserter.isDone(); ++k) call(true);
+    EXPECT_TRUE(inserter.isFull());
+    EXPECT_TRUE(inserter.isDone());
+    EXPECT_GT(all.size(), 10u);
+    EXPECT_LT(all.size(), 500u);
+    EXPECT_EQ(inserter.state().placed, std::int64_t(all.size()));
+  }
+}
+
 TEST(Inserter, RestoredStateContinuesWithTheSameParticles) {
   const auto make = [] { return Inserter(PourOptions{}, {makeGrains(120)}, makeVessel(15e-3), {}, 6); };
   Inserter whole = make();

@@ -100,5 +100,21 @@ TEST(PoseCheck, ParticleInAWallIsNamed) {
   EXPECT_NE(refusal(particles, ids, Periods{}, walls, 0.01).find("behind the wall floor"), std::string::npos);
 }
 
+TEST(PoseCheck, ParticleAboveTheRimIsNamed) {
+  const Sphere sphere(1e-3);
+  const std::vector<std::int64_t> ids = {41};
+  const std::vector<PlacedShape> particles = {{&sphere, Frame(Pose{{0, 0, 5e-3}, Quat::Identity()})}};
+  EXPECT_NO_THROW(checkBelow(6e-3, particles, ids, 0.01));
+  EXPECT_NO_THROW(checkBelow(infinity, particles, ids, 0.01));
+  try {
+    checkBelow(5.5e-3, particles, ids, 0.01);
+    FAIL() << "not refused";
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    for (const char* part : {"particle 41", "0.006 m", "rim at 0.0055 m"})
+      EXPECT_NE(message.find(part), std::string::npos) << message;
+  }
+}
+
 }  // namespace
 }  // namespace granular
