@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "granular/pair/contact.h"
@@ -68,6 +69,13 @@ struct PairMemory {
     return slot;
   }
   void give(std::int32_t slot) { free.push_back(slot); }
+
+  /// The held contact of a pair, or null.
+  const Contact* heldOf(const Pair& pair) const {
+    const auto slot = static_cast<std::size_t>(pair.slot);
+    return slot < held.size() && held[slot].a >= 0 ? &held[slot] : nullptr;
+  }
+  Contact* heldOf(const Pair& pair) { return const_cast<Contact*>(std::as_const(*this).heldOf(pair)); }
 };
 
 struct PairList {

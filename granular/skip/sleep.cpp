@@ -2,6 +2,19 @@
 
 namespace granular {
 
+void SleepState::remove(const std::vector<bool>& gone) {
+  const auto compact = [&](auto& column) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < column.size(); ++i) {
+      if (!gone[i]) column[kept++] = column[i];
+    }
+    column.resize(kept);
+  };
+  compact(calm);
+  compact(force);
+  compact(torque);
+}
+
 void updateSleep(const SleepOptions& options, double gravity, double dt, Bodies& bodies, SleepState& state) {
   const std::size_t n = bodies.size();
   state.calm.resize(n, 0);

@@ -24,6 +24,9 @@ struct SleepState {
   std::vector<Vec3> force, torque;      ///< net, when it fell asleep
   double energyLetGo = 0;               ///< kinetic energy taken away so far, J
   std::uint64_t fallen = 0, woken = 0;  ///< events so far
+
+  /// Removes the slots marked in `gone`, as Bodies::remove does.
+  void remove(const std::vector<bool>& gone);
 };
 
 /// Lets bodies fall asleep and wakes them, after the forces of a step are gathered.

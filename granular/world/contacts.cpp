@@ -99,17 +99,22 @@ void sumHeldForces(World& world) {
   world.heldTorque.assign(bodies.size(), Vec3::Zero());
   auto& held = world.pairs.memory.held;
   held.resize(world.pairs.memory.cache.size());
+  std::int32_t index = -1;
   for (const Pair& pair : world.pairs.pairs) {
-    const Contact& contact = held[at(pair.slot)];
+    Contact& contact = held[at(pair.slot)];
+    contact.pair = ++index;  // the list may have changed
     if (contact.a < 0 || bodies.moves(at(pair.a)) || bodies.moves(at(pair.b))) continue;
     world.heldForce[at(pair.a)] += contact.force.force;
     world.heldTorque[at(pair.a)] += contact.torqueA;
     world.heldForce[at(pair.b)] -= contact.force.force;
     world.heldTorque[at(pair.b)] += contact.torqueB;
   }
-  for (const WallPair& pair : world.pairs.wallPairs) {
+  index = -1;
+  for (WallPair& pair : world.pairs.wallPairs) {
+    ++index;
     if (bodies.moves(at(pair.body))) continue;
-    for (const Contact& contact : pair.held) {
+    for (Contact& contact : pair.held) {
+      contact.pair = index;
       world.heldForce[at(pair.body)] += contact.force.force;
       world.heldTorque[at(pair.body)] += contact.torqueA;
     }

@@ -36,8 +36,12 @@ void watch(World& world) {
     report.narrow += chunk.counts;
     if (chunk.uncertifiedPair >= 0) {
       const Pair& pair = world.pairs.pairs[static_cast<std::size_t>(chunk.uncertifiedPair)];
-      addTrouble({Trouble::Kind::uncertified, world.time, bodies.id[static_cast<std::size_t>(pair.a)],
-                  bodies.id[static_cast<std::size_t>(pair.b)], {}, 0},
+      addTrouble({Trouble::Kind::uncertified,
+                  world.time,
+                  bodies.id[static_cast<std::size_t>(pair.a)],
+                  bodies.id[static_cast<std::size_t>(pair.b)],
+                  {},
+                  0},
                  report);
     }
     if (chunk.deepestContact >= 0 && chunk.deepest > deepest) {

@@ -27,7 +27,29 @@ std::size_t World::addBody(NewBody body) {
   return bodies.add(body, *shapes[static_cast<std::size_t>(body.shapeIndex)]);
 }
 
+namespace {
+
+/// Wakes sleepers that touch a body that goes: what held them up may be gone.
+void wakeNeighbours(const std::vector<bool>& gone, World& world) {
+  std::vector<std::size_t> woken;
+  const auto at = [](std::int32_t slot) { return static_cast<std::size_t>(slot); };
+  world.visitContacts([&](const Contact& contact) {
+    if (contact.b < 0 || gone[at(contact.a)] == gone[at(contact.b)]) return;
+    woken.push_back(at(gone[at(contact.a)] ? contact.b : contact.a));
+  });
+  for (const std::size_t i : woken) {
+    if (world.bodies.state[i] != BodyState::asleep) continue;
+    world.bodies.release(i);
+    world.sleep.calm[i] = 0;
+    ++world.sleep.woken;
+  }
+}
+
+}  // namespace
+
 void World::removeBodies(const std::vector<bool>& gone) {
+  wakeNeighbours(gone, *this);
+
   // New slot numbers, -1 for the removed.
   std::vector<std::int32_t> slotOf(gone.size());
   std::int32_t kept = 0;
@@ -39,20 +61,30 @@ void World::removeBodies(const std::vector<bool>& gone) {
     pair.b = slotOf[static_cast<std::size_t>(pair.b)];
     if (pair.a < 0 || pair.b < 0) {
       pairs.memory.give(pair.slot);
-    } else {
-      left.push_back(pair);
+      continue;
+    }
+    left.push_back(pair);
+    if (Contact* held = pairs.memory.heldOf(pair)) {
+      held->a = pair.a;
+      held->b = pair.b;
     }
   }
   pairs.pairs.swap(left);
   std::vector<WallPair> leftAtWalls;
   for (WallPair& pair : pairs.wallPairs) {
     pair.body = slotOf[static_cast<std::size_t>(pair.body)];
-    if (pair.body >= 0) leftAtWalls.push_back(std::move(pair));
+    if (pair.body < 0) continue;
+    for (Contact& contact : pair.held) contact.a = pair.body;
+    leftAtWalls.push_back(std::move(pair));
   }
   pairs.wallPairs.swap(leftAtWalls);
   bodies.remove(gone);
+  sleep.remove(gone);
   chunks.clear();  // the contacts of the last step name the old slots
+  heldForce.clear();
+  heldTorque.clear();
   search.invalidate();
+  layoutStale = true;
 }
 
 std::size_t World::contactCount() const {

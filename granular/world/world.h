@@ -64,9 +64,9 @@ struct World {
   struct Chunk {
     std::vector<Contact> contacts;
     NarrowCounts counts;
-    double deepest = 0;                ///< largest overlap over size in this chunk
+    double deepest = 0;                 ///< largest overlap over size in this chunk
     std::int32_t uncertifiedPair = -1;  ///< the first pair whose answer no bound could certify
-    std::int32_t deepestContact = -1;  ///< index in contacts
+    std::int32_t deepestContact = -1;   ///< index in contacts
     std::vector<WallTouch> wallTouches;
   };
   std::vector<Chunk> chunks;
@@ -98,7 +98,8 @@ struct World {
   std::size_t addBody(NewBody body);
   /// Adds a shape; returns its index.
   std::int32_t addShape(std::shared_ptr<const Shape> shape);
-  /// Removes the marked slots with their pairs.
+  /// Removes the marked slots with their pairs. Sleepers that touched one of them wake; other contacts at rest stay,
+  /// those of moving bodies are found again by the next step.
   void removeBodies(const std::vector<bool>& gone);
 
   /// Calls visit(const Contact&) for every contact of the last step in the order of the pairs, then for those held
@@ -111,8 +112,7 @@ struct World {
       }
     }
     for (const Pair& pair : pairs.pairs) {
-      const auto slot = static_cast<std::size_t>(pair.slot);
-      if (slot < pairs.memory.held.size() && pairs.memory.held[slot].a >= 0) visit(pairs.memory.held[slot]);
+      if (const Contact* contact = pairs.memory.heldOf(pair)) visit(*contact);
     }
     for (const WallPair& pair : pairs.wallPairs) {
       for (const Contact& contact : pair.held) visit(contact);
