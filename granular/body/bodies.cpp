@@ -31,11 +31,13 @@ std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape) {
   material.push_back(body.material);
   id.push_back(body.id);
   state.push_back(BodyState::moving);
+  listStale = true;
   return size() - 1;
 }
 
 void Bodies::hold(std::size_t i, BodyState as) {
   state[i] = as;
+  listStale = true;
   v[i] = w[i] = vHalf[i] = wHalf[i] = spinHalf[i] = acceleration[i] = alpha[i] = Vec3::Zero();
   qHalf[i] = q[i];
   // A sleeping body stays as light as it is: its neighbours must feel the same contact as before.
@@ -48,6 +50,7 @@ void Bodies::hold(std::size_t i, BodyState as) {
 
 void Bodies::release(std::size_t i) {
   state[i] = BodyState::moving;
+  listStale = true;
   inverseMass[i] = 1 / mass[i];
   inverseInertia[i] = inertia[i].cwiseInverse();
   radiusRatio[i] = shape[i]->massProperties().meanSquareRadius / inertia[i].mean();
@@ -65,6 +68,18 @@ void Bodies::remove(const std::vector<bool>& gone) {
   compact(frame);
   compact(boundingRadius);
   compact(shape);
+  listStale = true;
+}
+
+const std::vector<std::int32_t>& Bodies::movingSlots() const {
+  if (listStale) {
+    listed.clear();
+    for (std::size_t i = 0; i < size(); ++i) {
+      if (moves(i)) listed.push_back(static_cast<std::int32_t>(i));
+    }
+    listStale = false;
+  }
+  return listed;
 }
 
 void Bodies::restoreDerived(const ShapeTable& shapes) {
@@ -77,6 +92,7 @@ void Bodies::restoreDerived(const ShapeTable& shapes) {
     frame[i] = Frame(Pose{x[i], q[i]});
     boundingRadius[i] = shape[i]->boundingRadius();
   }
+  listStale = true;
 }
 
 }  // namespace granular

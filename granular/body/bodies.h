@@ -57,6 +57,9 @@ struct Bodies {
 
   std::size_t size() const { return x.size(); }
   bool moves(std::size_t i) const { return state[i] == BodyState::moving; }
+  /// Slots of the bodies that move, ascending: the stages of motion cost nothing for the others. Listed anew by the
+  /// first call after bodies came, went, or changed their state, which must not come from several threads at once.
+  const std::vector<std::int32_t>& movingSlots() const;
 
   /// Appends a body; returns its slot. The half steps are started by the integrator.
   std::size_t add(const NewBody& body, const Shape& bodyShape);
@@ -97,6 +100,10 @@ struct Bodies {
 
   /// Rebuilds what follows from the state: frames, shape pointers, bounding radii.
   void restoreDerived(const ShapeTable& shapes);
+
+ private:
+  mutable std::vector<std::int32_t> listed;  // of movingSlots()
+  mutable bool listStale = true;
 };
 
 }  // namespace granular

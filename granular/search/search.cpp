@@ -18,8 +18,15 @@ auto keyOf(const Bodies& bodies, const Pair& pair) {
 
 bool Search::isDue(const Bodies& bodies, double wallTravel) const {
   if (settings.everyStep || margins.size() != bodies.size()) return true;
+  const auto isUsedUp = [&](std::size_t i) { return bodies.travel[i] + wallTravel - travelAtPlace[i] > margins[i]; };
+  // A body that does not move can only be left by a wall that does.
+  if (wallTravel == 0) {
+    const std::vector<std::int32_t>& moving = bodies.movingSlots();
+    return std::any_of(moving.begin(), moving.end(),
+                       [&](std::int32_t i) { return isUsedUp(static_cast<std::size_t>(i)); });
+  }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (bodies.travel[i] + wallTravel - travelAtPlace[i] > margins[i]) return true;
+    if (isUsedUp(i)) return true;
   }
   return false;
 }

@@ -15,13 +15,14 @@ void SleepState::remove(const std::vector<bool>& gone) {
   compact(torque);
 }
 
-void updateSleep(const SleepOptions& options, double gravity, double dt, Bodies& bodies, SleepState& state) {
+void updateSleep(const SleepOptions& options, double gravity, double dt, const std::vector<std::int32_t>& slots,
+                 Bodies& bodies, SleepState& state) {
   const std::size_t n = bodies.size();
   state.calm.resize(n, 0);
   state.force.resize(n, Vec3::Zero());
   state.torque.resize(n, Vec3::Zero());
-  for (std::size_t i = 0; i < n; ++i) {
-    if (bodies.state[i] == BodyState::frozen) continue;
+  for (const std::int32_t slot : slots) {
+    const auto i = static_cast<std::size_t>(slot);
     const double weight = bodies.mass[i] * gravity;
     const double size = bodies.shape[i]->size();
     if (bodies.state[i] == BodyState::asleep) {

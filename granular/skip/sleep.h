@@ -29,7 +29,9 @@ struct SleepState {
   void remove(const std::vector<bool>& gone);
 };
 
-/// Lets bodies fall asleep and wakes them, after the forces of a step are gathered.
-void updateSleep(const SleepOptions& options, double gravity, double dt, Bodies& bodies, SleepState& state);
+/// Lets bodies fall asleep and wakes them, after the forces of a step are gathered. slots, ascending: those whose
+/// forces were; others must be frozen, or asleep with the force they had.
+void updateSleep(const SleepOptions& options, double gravity, double dt, const std::vector<std::int32_t>& slots,
+                 Bodies& bodies, SleepState& state);
 
 }  // namespace granular

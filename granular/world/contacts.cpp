@@ -91,6 +91,18 @@ void listIncidence(World& world) {
   }
 }
 
+/// Those whose forces a step sums: the moving, and sleepers near them. Other sleepers keep their force, and a frozen
+/// body needs none.
+void listGathered(World& world) {
+  const Bodies& bodies = world.bodies;
+  world.gathered.clear();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const bool disturbed =
+        bodies.state[i] == BodyState::asleep && world.incidenceBegin[i] != world.incidenceBegin[i + 1];
+    if (bodies.moves(i) || disturbed) world.gathered.push_back(static_cast<std::int32_t>(i));
+  }
+}
+
 /// Sums the contacts between bodies at rest, which a step does not look at.
 void sumHeldForces(World& world) {
   if (world.sleep.fallen == 0) return;
@@ -238,6 +250,7 @@ void layOutContacts(World& world) {
   }
   listActivePairs(world);
   listIncidence(world);
+  listGathered(world);
   sumHeldForces(world);
   world.wallChunkBegin = chunkCount(world.activePairs.size());
   world.chunks.resize(world.wallChunkBegin + chunkCount(world.activeWallPairs.size()));
@@ -248,7 +261,7 @@ void layOutContacts(World& world) {
 void findContacts(World& world) {
   const std::size_t pairCount = world.activePairs.size();
   const auto chunks = static_cast<std::int64_t>(world.chunks.size());
-#pragma omp parallel for schedule(dynamic, 4)
+#pragma omp parallel for schedule(dynamic) if (world.chunks.size() >= chunksForThreads)
   for (std::int64_t c = 0; c < chunks; ++c) {
     World::Chunk& chunk = world.chunks[static_cast<std::size_t>(c)];
     startChunk(chunk);
@@ -275,7 +288,7 @@ void placeContactPoints(World& world) {
   RuleOptions rule = world.options.rule;
   if (rule.rule == PointRule::manifold) rule.rule = PointRule::witness;
   const auto chunks = static_cast<std::int64_t>(world.wallChunkBegin);
-#pragma omp parallel for schedule(dynamic, 4)
+#pragma omp parallel for schedule(dynamic) if (world.chunks.size() >= chunksForThreads)
   for (std::int64_t c = 0; c < chunks; ++c) {
     for (Contact& contact : world.chunks[static_cast<std::size_t>(c)].contacts) {
       const std::size_t a = at(contact.a);

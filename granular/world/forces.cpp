@@ -112,7 +112,7 @@ ContactHistory& findHistory(World& world, const World::Chunk& chunk, std::size_t
 void applyForceLaws(double dt, World& world) {
   const Law law = lawFunction(world.options.law);
   const auto chunks = static_cast<std::int64_t>(world.chunks.size());
-#pragma omp parallel for schedule(dynamic, 4)
+#pragma omp parallel for schedule(dynamic) if (world.chunks.size() >= chunksForThreads)
   for (std::int64_t c = 0; c < chunks; ++c) {
     World::Chunk& chunk = world.chunks[static_cast<std::size_t>(c)];
     std::size_t firstOfPair = 0;
@@ -130,13 +130,11 @@ void applyForceLaws(double dt, World& world) {
 void gatherForces(World& world) {
   Bodies& bodies = world.bodies;
   const std::size_t pairCount = world.activePairs.size();
-  const auto n = static_cast<std::int64_t>(bodies.size());
-#pragma omp parallel for schedule(static)
-  for (std::int64_t ii = 0; ii < n; ++ii) {
-    const auto i = static_cast<std::size_t>(ii);
+  const auto n = static_cast<std::int64_t>(world.gathered.size());
+#pragma omp parallel for schedule(static) if (world.gathered.size() >= bodiesForThreads)
+  for (std::int64_t g = 0; g < n; ++g) {
+    const auto i = at(world.gathered[static_cast<std::size_t>(g)]);
     const bool asleep = bodies.state[i] == BodyState::asleep;
-    // A sleeper that nothing moving is near keeps its force; a frozen body needs none.
-    if (!bodies.moves(i) && (!asleep || world.incidenceBegin[i] == world.incidenceBegin[i + 1])) continue;
     Vec3 force = bodies.mass[i] * world.options.gravity;
     Vec3 torque = Vec3::Zero();
     if (asleep) {

@@ -9,11 +9,11 @@ namespace {
 /// Predicts every moving body with one scheme; the scheme is a template argument so that its kernel is inlined.
 template <auto predictRotation>
 void predictBodies(double dt, Bodies& bodies) {
-  const auto n = static_cast<std::int64_t>(bodies.size());
-#pragma omp parallel for schedule(static)
-  for (std::int64_t ii = 0; ii < n; ++ii) {
-    const auto i = static_cast<std::size_t>(ii);
-    if (!bodies.moves(i)) continue;
+  const std::vector<std::int32_t>& moving = bodies.movingSlots();
+  const auto n = static_cast<std::int64_t>(moving.size());
+#pragma omp parallel for schedule(static) if (moving.size() >= bodiesForThreads)
+  for (std::int64_t k = 0; k < n; ++k) {
+    const auto i = static_cast<std::size_t>(moving[static_cast<std::size_t>(k)]);
     // No surface point moves further than the centre does plus the turn of the outermost point.
     const Vec3& spin = bodies.wHalf[i];
     bodies.spinHalf[i] = bodies.qHalf[i] * spin;
@@ -27,11 +27,11 @@ void predictBodies(double dt, Bodies& bodies) {
 
 template <auto advanceRotation>
 void advanceBodies(double dt, Bodies& bodies) {
-  const auto n = static_cast<std::int64_t>(bodies.size());
-#pragma omp parallel for schedule(static)
-  for (std::int64_t ii = 0; ii < n; ++ii) {
-    const auto i = static_cast<std::size_t>(ii);
-    if (!bodies.moves(i)) continue;
+  const std::vector<std::int32_t>& moving = bodies.movingSlots();
+  const auto n = static_cast<std::int64_t>(moving.size());
+#pragma omp parallel for schedule(static) if (moving.size() >= bodiesForThreads)
+  for (std::int64_t k = 0; k < n; ++k) {
+    const auto i = static_cast<std::size_t>(moving[static_cast<std::size_t>(k)]);
     bodies.acceleration[i] = bodies.inverseMass[i] * bodies.force[i];
     advanceTranslation(dt, bodies.acceleration[i], bodies.vHalf[i]);
     advanceRotation(dt, bodies.inertia[i], bodies.inverseInertia[i], bodies.torque[i], bodies.q[i], bodies.w[i],
@@ -65,7 +65,7 @@ void letSleep(double dt, World& world) {
   if (!world.options.sleep.on) return;
   Bodies& bodies = world.bodies;
   const std::uint64_t before = world.sleep.fallen + world.sleep.woken;
-  updateSleep(world.options.sleep, world.options.gravity.norm(), dt, bodies, world.sleep);
+  updateSleep(world.options.sleep, world.options.gravity.norm(), dt, world.gathered, bodies, world.sleep);
   if (world.sleep.fallen + world.sleep.woken == before) return;
   world.layoutStale = true;
   // A contact between bodies that both rest keeps its force until one of them wakes.

@@ -62,9 +62,9 @@ void watch(World& world) {
 
   // Bodies: one comparison catches speeds that are too large and those that are not numbers.
   const double limit = world.options.maxSpeed * world.options.maxSpeed;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!bodies.moves(i)) continue;
-    ++report.bodySteps;
+  report.bodySteps += bodies.movingSlots().size();
+  for (const std::int32_t slot : bodies.movingSlots()) {
+    const auto i = static_cast<std::size_t>(slot);
     const double square =
         bodies.v[i].squaredNorm() + bodies.w[i].squaredNorm() * bodies.boundingRadius[i] * bodies.boundingRadius[i];
     if (square <= limit) continue;

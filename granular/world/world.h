@@ -82,6 +82,7 @@ struct World {
   };
   std::vector<std::int32_t> incidenceBegin;
   std::vector<Incidence> incidence;
+  std::vector<std::int32_t> gathered;  ///< slots whose forces a step sums: the moving, and sleepers near them
   /// Contacts of an active pair (body pairs, then wall pairs): first index in its chunk, and how many.
   struct ContactRange {
     std::int32_t first = 0, count = 0;

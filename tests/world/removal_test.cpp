@@ -136,5 +136,27 @@ TEST(Removal, ContactsAtRestNameTheirPairsAfterOthersCome) {
   EXPECT_EQ(before, after);
 }
 
+TEST(Removal, AndEveryChangeOfStateListsTheMovingAnew) {
+  auto world = makeColumns(true);
+  Bodies& bodies = world->bodies;
+  const auto expected = [&] {
+    std::vector<std::int32_t> slots;
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (bodies.moves(i)) slots.push_back(static_cast<std::int32_t>(i));
+    return slots;
+  };
+  EXPECT_EQ(bodies.movingSlots().size(), 9u);
+  bodies.hold(3, BodyState::frozen);
+  bodies.hold(5, BodyState::asleep);
+  EXPECT_EQ(bodies.movingSlots(), expected());
+  bodies.release(5);
+  EXPECT_EQ(bodies.movingSlots(), expected());
+  world->addBody({});
+  EXPECT_EQ(bodies.movingSlots(), expected());
+  world->removeBodies(mark(*world, {0, 3}));
+  EXPECT_EQ(bodies.movingSlots(), expected());
+  EXPECT_EQ(bodies.movingSlots().size(), 8u);
+}
+
 }  // namespace
 }  // namespace granular
