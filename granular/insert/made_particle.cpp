@@ -14,8 +14,8 @@ namespace {
 constexpr double thinnest = 0.05;
 // Points closer than this, relative to the size, are one point with an edge too short to be touched by anything.
 constexpr double closest = 0.01;
-// Draws in a row before the options are held to be at fault: of sand fewer than one in a thousand fail, of woodchips one in
-// fifteen.
+// Draws in a row before the options are held to be at fault: of sand fewer than one in a thousand fail, of woodchips
+// one in fifteen.
 constexpr int drawsAtMost = 1000;
 
 /// Steps of the slide over the template. The fastest point moves by stepOverSpacing spacings, the others in proportion
@@ -48,29 +48,51 @@ struct Spheroid {
   }
 };
 
-/// Coulomb energy of unit charges.
-double energyOf(const std::vector<Vec3>& points) {
-  double energy = 0;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) energy += 1 / (points[i] - points[j]).norm();
-  return energy;
-}
+/// Unit charges on the surface: their Coulomb energy, and the force on each along the surface. Each pair is looked at
+/// once. Distances of one row come first, in a loop the compiler can vectorise; they are half of the time it takes to
+/// make a grain.
+class Charges {
+ public:
+  explicit Charges(std::size_t count) : forces(count), x(count), y(count), z(count), distance(count), cube(count) {}
 
-/// Force on each point, along the surface.
-std::vector<Vec3> forcesAlong(const Spheroid& body, const std::vector<Vec3>& points) {
-  std::vector<Vec3> forces(points.size(), Vec3::Zero());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t j = 0; j < points.size(); ++j) {
-      if (i == j) continue;
-      const Vec3 d = points[i] - points[j];
-      const double squared = d.squaredNorm();
-      forces[i] += d / (squared * std::sqrt(squared));
+  void place(const Spheroid& body, const std::vector<Vec3>& points) {
+    energy = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      x[i] = points[i].x();
+      y[i] = points[i].y();
+      z[i] = points[i].z();
+      forces[i].setZero();
     }
-    const Vec3 n = body.normalAt(points[i]);
-    forces[i] -= n * n.dot(forces[i]);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      measureRow(i);
+      for (std::size_t j = 0; j < i; ++j) {
+        energy += 1 / distance[j];
+        const Vec3 push = (points[i] - points[j]) / cube[j];
+        forces[i] += push;
+        forces[j] -= push;
+      }
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3 n = body.normalAt(points[i]);
+      forces[i] -= n * n.dot(forces[i]);
+    }
   }
-  return forces;
-}
+
+  double energy = 0;
+  std::vector<Vec3> forces;
+
+ private:
+  void measureRow(std::size_t i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double dx = x[i] - x[j], dy = y[i] - y[j], dz = z[i] - z[j];
+      const double squared = dx * dx + dy * dy + dz * dz;
+      distance[j] = std::sqrt(squared);
+      cube[j] = squared * distance[j];
+    }
+  }
+
+  std::vector<double> x, y, z, distance, cube;  // of the points; to the point of the row
+};
 
 /// Slides the points towards rest and returns every configuration on the way with the path length to it, in spacings.
 struct Stage {
@@ -82,22 +104,22 @@ std::vector<Stage> slideToRest(const Spheroid& body, std::vector<Vec3> points) {
   const double spacing = std::sqrt(2 * body.area() / (std::sqrt(3.0) * double(points.size())));
   std::vector<Stage> stages{{points, 0}};
   double step = stepOverSpacing;
-  double energy = energyOf(points);
+  Charges now(points.size()), after(points.size());
+  now.place(body, points);
+  std::vector<Vec3> moved(points.size());
   for (int k = 0; k < stepsAtMost && step > smallestStep; ++k) {
-    const std::vector<Vec3> forces = forcesAlong(body, points);
     double largest = 0;
-    for (const Vec3& f : forces) largest = std::max(largest, f.norm());
+    for (const Vec3& f : now.forces) largest = std::max(largest, f.norm());
     if (largest == 0) break;
-    std::vector<Vec3> moved(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
-      moved[i] = body.project(points[i] + forces[i] * (step * spacing / largest));
-    const double after = energyOf(moved);
-    if (after >= energy) {
+      moved[i] = body.project(points[i] + now.forces[i] * (step * spacing / largest));
+    after.place(body, moved);
+    if (after.energy >= now.energy) {
       step /= 2;
       continue;
     }
-    energy = after;
-    points = std::move(moved);
+    std::swap(now, after);
+    points = moved;
     stages.push_back({points, stages.back().path + step});
   }
   return stages;
