@@ -54,10 +54,8 @@ target_link_libraries(granular_hdf5 INTERFACE PkgConfig::Hdf5)
 
 find_package(fmt QUIET)
 granular_require(fmt_FOUND "fmt" libfmt-dev)
-find_package(spdlog QUIET)
-granular_require(spdlog_FOUND "spdlog" libspdlog-dev)
 add_library(granular_fmt INTERFACE)
-target_link_libraries(granular_fmt INTERFACE fmt::fmt spdlog::spdlog)
+target_link_libraries(granular_fmt INTERFACE fmt::fmt)
 
 if(GRANULAR_TESTS)
   find_package(GTest QUIET)
