@@ -69,5 +69,19 @@ TEST_F(PackingDemo, ExitCodesTellRestFromTimeAndTrouble) {
   expectMentions(refused.text, {"seed=7", "resumed"});
 }
 
+TEST_F(PackingDemo, InterruptedExitsWithFiveAndGoesOnToRest) {
+  const std::string scene = write(narrowBox + commonText + spheres + pour).file.string();
+  const std::string out = (folder / "out").string();
+  // The folder of frames appears when the run begins.
+  const std::string start = std::string(GRANULAR_PACKING) + " " + scene + " --out " + out + " --threads 1 & run=$!; ";
+  const std::string wait = "while kill -0 $run && ! test -d " + out + "/frames; do sleep 0.01; done; ";
+  const Outcome stopped = runDemo("sh", "-c '" + start + wait + "kill -TERM $run; wait $run'");
+  EXPECT_EQ(stopped.code, 5) << stopped.text;
+  expectMentions(stopped.text, {"interrupted at t =", "--resume " + out});
+  EXPECT_FALSE(fs::exists(folder / "out" / "result.json"));
+  const Outcome rested = run("--resume " + out + " --threads 1");
+  EXPECT_EQ(rested.code, 0) << rested.text;
+}
+
 }  // namespace
 }  // namespace granular

@@ -58,6 +58,26 @@ class Resume : public RunTest {
     expectSameState(whole, last);
   }
 
+  /// The same at a given time instead of at rest: with one stop on the way.
+  void expectSameAt(double end, double stop, const std::string& text, std::vector<std::string> overrides = {}) {
+    const auto until = [](double time) { return fmt::format("time.max_time={}", time); };
+    overrides.push_back("threads=1");
+    const SceneSource source = write(text, overrides);
+    SceneSource full = source, shortened = source;
+    full.overrides.push_back(until(end));
+    shortened.overrides.push_back(until(stop));
+    PackingRun whole(full);
+    ASSERT_EQ(whole.run(makeFolder("whole"), never), RunEnd::outOfTime);
+    EXPECT_GT(whole.world().contactCount(), 0u);
+    const auto out = makeFolder("parts");
+    EXPECT_EQ(PackingRun(shortened).run(out, never), RunEnd::outOfTime);
+    PackingRun last = PackingRun::resumed(out, {until(end)});
+    EXPECT_EQ(last.run(out, never), RunEnd::outOfTime);
+    expectSameState(whole, last);
+  }
+  const std::string few = "[insertion]\nkind = \"batches\"\ncount = 10\nbatch = 10\n";
+  const std::string cubes = "[[particles]]\nshape = \"cuboid\"\nhalf_lengths = [\"1.2 mm\", \"1.2 mm\", \"1.5 mm\"]\n";
+
   static std::string settle(const std::string& kind) { return "[settle]\nkind = \"" + kind + "\"\n"; }
   const std::string batches = "[insertion]\nkind = \"batches\"\ncount = 24\nbatch = [6, 9]\n";
   const std::vector<double> stops{0.0002, 0.013, 0.031, 0.0613, 0.063, 0.09};
@@ -99,6 +119,42 @@ TEST_F(Resume, PosesEndInTheSameBits) {
       spheres + "[[particles]]\nshape = \"cuboid\"\nhalf_lengths = [\"1.2 mm\", \"1.2 mm\", \"1.5 mm\"]\n";
   const std::string poses = "[insertion]\nkind = \"poses\"\nfile = \"poses.txt\"\n";
   expectSameEnd(narrowBox + commonText + groups + poses + settle("sleep"), {0.0002, 0.02, 0.033, 0.034, 0.04});
+}
+
+TEST_F(Resume, ManifoldsEndInTheSameBits) {
+  expectSameAt(0.03, 0.0271, narrowBox + commonText + cubes + few, {"model.point_rule=manifold"});
+}
+
+TEST_F(Resume, SpiralEndsInTheSameBits) {
+  expectSameAt(0.03, 0.0271, narrowBox + commonText + cubes + few, {"model.integrator=spiral"});
+}
+
+TEST_F(Resume, WithNothingSkippedEndsInTheSameBits) {
+  expectSameAt(0.03, 0.0271, narrowBox + commonText + mixture + few, {"skip=[\"none\"]"});
+}
+
+TEST_F(Resume, OnAMeshWallEndsInTheSameBits) {
+  // A roof over the floor, its ridge along y.
+  std::ofstream(folder / "roof.obj")
+      << "v -0.02 -0.02 0\nv -0.02 0.02 0\nv 0 -0.02 0.004\nv 0 0.02 0.004\nv 0.02 -0.02 0\nv 0.02 0.02 0\n"
+         "f 1 3 4\nf 1 4 2\nf 3 5 6\nf 3 6 4\n";
+  const std::string roof = "[[wall]]\nkind = \"mesh\"\nfile = \"roof.obj\"\nunit = \"m\"\n";
+  expectSameAt(0.03, 0.0271, narrowBox + roof + commonText + mixture + few);
+}
+
+TEST_F(Resume, ABedFilledToItsRimEndsInTheSameBits) {
+  const std::string box = "[vessel]\nkind = \"box\"\nsize = [\"8 mm\", \"8 mm\", \"7 mm\"]\n";
+  const std::string lots = "[insertion]\nkind = \"batches\"\ncount = 40\nbatch = 12\n";
+  expectSameEnd(box + commonText + spheres + lots, {0.02, 0.035, 0.05});
+}
+
+TEST_F(Resume, ARunStartedFromABedEndsInTheSameBits) {
+  PackingRun first(write(narrowBox + commonText + mixture + few));
+  ASSERT_EQ(first.run(makeFolder("first"), never), RunEnd::rested);
+  const std::string bed = "[insertion]\nkind = \"bed\"\nfile = \"first\"\n";
+  // Tilted, so that the bed moves.
+  const std::string tilted = "gravity = [5, 0, -8.5]\n";
+  expectSameAt(0.02, 0.0113, tilted + narrowBox + commonText + spheres + bed + settle("none"));
 }
 
 TEST_F(Resume, TheCheckpointsOnTheWayAreAsGoodAsTheLast) {
