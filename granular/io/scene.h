@@ -63,13 +63,15 @@ struct ModelSettings {
   FrictionLimit frictionLimit = FrictionLimit::total;  ///< Coulomb's limit from |F_n| (S 11) or max(F_n, 0)
   ContactMass contactMass = ContactMass::reduced;
   std::string pointRule = "patch";
-  double slab = 0.01;  ///< feature slab of face_centroid, fraction of the overlap
+  double slab = 0.01;           ///< feature slab of face_centroid, fraction of the overlap
+  std::int64_t sharpness = 24;  ///< of stiff_patch: half the rocking stiffness of a face over an elastic foundation's
   std::string integrator = "seelen";
 };
 
 struct TimeSettings {
   std::optional<double> step;  ///< s; not given ("auto"): fraction of the stability bound
   double fraction = 0.5;       ///< of the stability bound
+  std::int64_t contacts = 8;   ///< at once on a body, for the bound
   double maxTime = infinity;   ///< simulated, s: the run stops here with whatever it has
 };
 
@@ -148,9 +150,9 @@ struct SettleSettings {
   enum class Kind { none, freeze, sleep };
   Kind kind = Kind::none;
   double energy = 1e-4;  ///< sleep: slow is a kinetic energy below this times m g d
-  double balance = 0.1;  ///< sleep: taken out when the net force is below this times m g
+  double balance = 0.1;  ///< sleep: taken out when the net force is below this times the load
   double time = 1e-2;    ///< sleep: for so long, s
-  double wake = 0.3;     ///< sleep: woken when the net force differs from that at sleep by this times m g
+  double wake = 0.3;     ///< sleep: woken when the net force differs from that at sleep by this times the load
 };
 
 /// When the run is over.

@@ -12,6 +12,8 @@ constexpr Range positive{0, infinity, true, true};
 constexpr Range positiveOrInfinite{0, infinity, true, false};
 constexpr Range notNegative{0, infinity, false, true};
 constexpr Range fraction{0, 1};
+constexpr Range sharpnesses{1, 1000};
+constexpr Range assumedContacts{1, 1000};
 constexpr Range positiveFraction{0, 1, true, false};
 constexpr Range atLeastOne{1, infinity, false, true};
 
@@ -21,7 +23,8 @@ constexpr std::string_view wallKinds[] = {"plane", "cylinder", "mesh"};
 constexpr std::string_view frictionLimits[] = {"total", "push"};
 constexpr std::string_view contactMasses[] = {"reduced", "local"};
 constexpr std::string_view laws[] = {"linear", "linear_local", "tensor"};
-constexpr std::string_view pointRules[] = {"witness", "manifold", "face_centroid", "pressure_centroid", "patch"};
+constexpr std::string_view pointRules[] = {"witness", "manifold",    "face_centroid", "pressure_centroid",
+                                           "patch",   "stiff_patch", "foundation"};
 constexpr std::string_view integrators[] = {"seelen", "spiral"};
 constexpr std::string_view shapes[] = {"sphere",     "ellipsoid", "cylinder", "cone",    "cuboid",
                                        "polyhedron", "mesh",      "sand",     "woodchip"};
@@ -94,12 +97,18 @@ void visitModel(KeyVisitor& v, ModelSettings& s) {
   readTextChoice(v, {"point_rule", "where the contact force acts"}, s.pointRule, pointRules);
   v.readNumber({"slab", "face_centroid: thickness of the feature slab as a fraction of the overlap"}, s.slab, D::none,
                fraction);
+  v.readInteger(
+      {"sharpness",
+       "stiff_patch: half the rocking stiffness of a face over that of an elastic foundation; 1: soft, towards "
+       "infinity: all force at the deepest point"},
+      s.sharpness, sharpnesses);
   readTextChoice(v, {"integrator", "time integration of the rotation"}, s.integrator, integrators);
 }
 
 void visitTime(KeyVisitor& v, TimeSettings& s) {
   v.readOptional({"step", "time step; auto: fraction of the stability bound"}, s.step, D::time, positive);
   v.readNumber({"fraction", "of the stability bound, for step = auto"}, s.fraction, D::none, positiveFraction);
+  v.readInteger({"contacts", "that a body is assumed to have at once, for the bound"}, s.contacts, assumedContacts);
   v.readNumber({"max_time", "simulated time after which the run ends in any case"}, s.maxTime, D::time,
                positiveOrInfinite);
 }
@@ -203,10 +212,13 @@ void visitSettle(KeyVisitor& v, SettleSettings& s) {
   v.readKind({"kind", "none; freeze each batch once consolidated (S); sleep one by one, waking when disturbed"}, s.kind,
              settleKinds);
   v.readNumber({"energy", "slow is a kinetic energy below this times m g d", "sleep"}, s.energy, D::none, positive);
-  v.readNumber({"balance", "and a net force below this times m g", "sleep"}, s.balance, D::none, positive);
+  v.readNumber(
+      {"balance", "and a net force below this times the load, which is m g plus half the sum of the contact forces",
+       "sleep"},
+      s.balance, D::none, positive);
   v.readNumber({"time", "for so long", "sleep"}, s.time, D::time, notNegative);
-  v.readNumber({"wake", "woken when the net force differs from that at sleep by this times m g", "sleep"}, s.wake,
-               D::none, positive);
+  v.readNumber({"wake", "woken when the net force differs from that at sleep by this times the load at sleep", "sleep"},
+               s.wake, D::none, positive);
 }
 
 void visitRest(KeyVisitor& v, RestSettings& s) {

@@ -40,18 +40,19 @@ struct ContactBody {
 /// spring is the half-step velocity times dt.
 struct ContactMotion {
   Vec3 normal;         ///< unit, A to B
-  double overlap = 0;  ///< m
+  double overlap = 0;  ///< what the elastic force is k_n times of, m
   Vec3 velocity;       ///< of A's contact point minus B's at t_n, at `point`
   Vec3 slip;           ///< relative displacement of the contact point during the last step, m
   Vec3 spin;           ///< w_A - w_B at t_n, rad/s; read only for a patch
   Vec3 meanSpin;       ///< (w_A + w_B)/2, rad/s: turns the spring about the normal
-  double share = 1;    ///< stiffness share of this spot among the spots of one face
+  double share = 1;    ///< factor on stiffness and dashpots, for a spot among those of one face
   double dt = 0;
   // Patch: zero area for a point contact.
   Vec3 centreArm;  ///< patch centre - contact point, m
   double area = 0;
   Vec3 u;  ///< in-plane axis of the moments
   double uu = 0, vv = 0, uv = 0;
+  double rocking = 1;        ///< factor on the normal dashpot's moments
   Vec3 turn = Vec3::Zero();  ///< relative rotation during the last step: (w_A - w_B) at the half step times dt, rad
 };
 

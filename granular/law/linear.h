@@ -102,18 +102,19 @@ inline double slideTwist(double limit, double stiffness, double damping, double 
 }
 
 /// A patch's normal force: the elastic force k_n delta at the contact point, and the dashpot spread evenly over the
-/// polygon.
+/// polygon, its moments times `rocking`.
 ///
 /// The dashpot's pressure (eta_n/area) u_n(x) is linear in x; with rho from the patch centre, u_n = u_c + g.rho and
 /// g = n x spin, its resultant eta_n u_c acts at the centre and its first moment is eta_n M g (M: second moments per
 /// area). "Pressures below 0 don't count": resultants of pressures >= 0 on the polygon lie in a cone over it. We hold N
 /// and the first moment S about the centre in the cone S.M^-1 S <= 2 N^2: the ellipse of radius sqrt(2) sigma lies
-/// inside every convex polygon (the triangle's touches its sides), so the centre of pressure cannot leave the patch;
-/// and the elastic force, whose pressure is linear and >= 0, satisfies S.M^-1 S <= N^2/2, so it always lies within. A
-/// trial outside is projected on the cone in the metric N^2 + S.M^-1 S, the metric of the dashpot: closed form,
-/// continuous, and never adding energy, because the dashpot's share F - F_e of a projection on a convex set that holds
-/// F_e obeys (F - F_e).velocity >= |F - F_e|^2/eta. With tension, N is S 10 unchanged: the pull acts at the centre, and
-/// S is held within sqrt(2) max(N, k_n delta). Returns N; writes the couple about the contact point.
+/// inside every convex polygon (the triangle's touches its sides), so the centre of pressure cannot leave the patch. A
+/// linear elastic pressure >= 0 satisfies S.M^-1 S <= N^2/2 and lies within; a stiff patch may press at the very rim,
+/// and then the cone is as wide as that: r N with r^2 = max(2, S_e.M^-1 S_e/N_e^2), at most 8 (a triangle's corner). A
+/// trial outside is projected on the cone in the dashpot's metric, N^2 + S.M^-1 S/rocking: closed form, continuous, and
+/// never adding energy, because the dashpot's share F - F_e of a projection on a convex set that holds F_e obeys
+/// (F - F_e).velocity >= |F - F_e|^2/eta. With tension, N is S 10 unchanged: the pull acts at the centre, and S is held
+/// within r max(N, k_n delta). Returns N; writes the couple about the contact point.
 inline double pressPatch(const ContactMotion& m, double elastic, double damping, bool tension, Vec3& couple) {
   const Vec3& n = m.normal;
   const Vec3 v = n.cross(m.u);
@@ -124,24 +125,24 @@ inline double pressPatch(const ContactMotion& m, double elastic, double damping,
   // Trial: elastic force at the contact point, dashpot about the centre.
   const double approach = n.dot(m.velocity) + cu * gu + cv * gv;
   double push = elastic + damping * approach;
-  const double mgu = m.uu * gu + m.uv * gv, mgv = m.uv * gu + m.vv * gv;
+  const double mgu = m.rocking * (m.uu * gu + m.uv * gv), mgv = m.rocking * (m.uv * gu + m.vv * gv);
   double su = damping * mgu - elastic * cu, sv = damping * mgv - elastic * cv;
 
-  // S.M^-1 S without inverting M where it isn't needed; c.M^-1 c <= 1/2 also bounds the round-off of slivers.
+  // S.M^-1 S/rocking without inverting M where it isn't needed; c.M^-1 c <= 8 also bounds the round-off of slivers.
   const double det = m.uu * m.vv - m.uv * m.uv;
   const double quadratic = m.vv * cu * cu - 2 * m.uv * cu * cv + m.uu * cv * cv;
-  const double offset = quadratic < 0.5 * det ? std::max(quadratic / det, 0.0) : 0.5;
+  const double offset = quadratic < 8 * det ? std::max(quadratic / det, 0.0) : 8;
   const double square = damping * damping * (gu * mgu + gv * mgv) - 2 * damping * elastic * (gu * cu + gv * cv) +
-                        elastic * elastic * offset;
+                        elastic * elastic * offset / m.rocking;
 
   // Project.
   const double held = tension ? std::max(push, elastic) : std::max(push, 0.0);
-  if (square > 2 * held * held) {
-    const double s = std::sqrt(square);
-    constexpr double r = 1.4142135623730951;
+  const double slope = std::max(2.0, offset) / m.rocking;  // r^2
+  if (square > slope * held * held) {
+    const double s = std::sqrt(square), r = std::sqrt(slope);
     double bound = r * held;
     if (!tension) {
-      push = std::max(push + r * s, 0.0) / 3;
+      push = std::max(push + r * s, 0.0) / (1 + slope);
       bound = r * push;
     }
     su *= bound / s;

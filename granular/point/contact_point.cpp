@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <string>
 
 #include "granular/core/errors.h"
@@ -12,8 +13,8 @@ namespace granular {
 namespace {
 
 // The table of rules, in the order of PointRule.
-constexpr std::array<std::string_view, 5> names = {"witness", "manifold", "face_centroid", "pressure_centroid",
-                                                   "patch"};
+constexpr std::array<std::string_view, 7> names = {"witness", "manifold",    "face_centroid", "pressure_centroid",
+                                                   "patch",   "stiff_patch", "foundation"};
 
 }  // namespace
 
@@ -28,10 +29,21 @@ void placeContact(const RuleOptions& options, const Shape& a, const Frame& frame
     case PointRule::faceCentroid:
       return placeFaceCentroid(options, a, frameA, b, frameB, touch, out);
     case PointRule::pressureCentroid:
-      return placePressureCentroid(options, a, frameA, b, frameB, touch, out);
     case PointRule::patch:
-      return placePatch(options, a, frameA, b, frameB, touch, out);
+    case PointRule::stiffPatch:
+    case PointRule::foundation:
+      return placeOnOverlap(options, a, frameA, b, frameB, touch, out);
   }
+}
+
+double rockingStiffness(const RuleOptions& options) {
+  return options.rule == PointRule::stiffPatch ? 2.0 * options.sharpness : 1;
+}
+
+double rockingDamping(const RuleOptions& options) {
+  // As the normal dashpot damps two equal cubes that part, this one damps their rocking: there the reduced moment of
+  // inertia is twice the reduced mass times the second moment of a face.
+  return options.rule == PointRule::stiffPatch ? std::sqrt(4.0 * options.sharpness) : 1;
 }
 
 PointRule pointRuleFromName(std::string_view name) {

@@ -67,7 +67,7 @@ void placeFaceCentroid(const RuleOptions& options, const Shape& a, const Frame& 
   // Their common centroid, or the deepest point.
   Vec2 centroid;
   if (!findCentroid(polygonA, polygonB, touch.overlap, centroid)) centroid.setZero();
-  placePoint(plane.lift(centroid, 0), plane.u, out);
+  placePoint(plane.lift(centroid, 0), plane.u, touch.overlap, out);
 }
 
 }  // namespace granular

@@ -1,18 +1,22 @@
-// Integrals over a polygon in closed form: area, centroid, second moments, and those of a linear depth on it.
+// Integrals over a polygon in closed form: area, centroid, second moments, those of a linear depth on it, and those of
+// powers of the depth.
 #pragma once
 
+#include "granular/point/depth_powers.h"
 #include "granular/point/polygon.h"
 
 namespace granular {
 
 /// Integrals over an area of 1, x and x x^T about the origin of the plane (m^2, m^3, m^4), and of a depth d >= 0 with
-/// them: d, d x (m^3, m^4). Sums of areas are sums of these.
+/// them: d, d x, d^2 (m^3, m^4, m^4). Sums of areas are sums of these.
 struct AreaMoments {
   double area = 0;
   Vec2 first = Vec2::Zero();
   double xx = 0, yy = 0, xy = 0;
   double volume = 0;
   Vec2 firstOfVolume = Vec2::Zero();
+  double square = 0;
+  DepthPowers powers;  ///< nothing unless asked for
 
   Vec2 centroid() const { return first / area; }
   Vec2 centroidOfVolume() const { return firstOfVolume / volume; }
@@ -25,12 +29,14 @@ struct AreaMoments {
     xy += other.xy;
     volume += other.volume;
     firstOfVolume += other.firstOfVolume;
+    square += other.square;
+    powers += other.powers;
     return *this;
   }
 };
 
-/// The integrals over a convex polygon; all zero for fewer than three corners.
-inline AreaMoments integrate(const Polygon& polygon, const Linear& depth) {
+/// The integrals over a convex polygon; all zero for fewer than three corners. Powers of the depth only if asked for.
+inline AreaMoments integrate(const Polygon& polygon, const Linear& depth, const PowerChoice& power = {}) {
   AreaMoments m;
   if (polygon.count < 3) return m;
 
@@ -58,6 +64,8 @@ inline AreaMoments integrate(const Polygon& polygon, const Linear& depth) {
   const Vec2& g = depth.slope;
   m.volume = atCorner * m.area + g.dot(m.first);
   m.firstOfVolume = atCorner * m.first + Vec2(m.xx * g.x() + m.xy * g.y(), m.xy * g.x() + m.yy * g.y());
+  m.square = atCorner * m.volume + g.dot(m.firstOfVolume);
+  if (power.exponent > 0) m.powers = integratePowers(polygon, depth, power);
 
   // From p to the origin.
   m.firstOfVolume += m.volume * p;
@@ -70,7 +78,8 @@ inline AreaMoments integrate(const Polygon& polygon, const Linear& depth) {
 
 /// The integrals over a strip of the given width (m, > 0) along a segment, its depth linear from the first end to the
 /// last and constant across.
-inline AreaMoments integrate(const Segment& segment, double width, double depthFrom, double depthTo) {
+inline AreaMoments integrate(const Segment& segment, double width, double depthFrom, double depthTo,
+                             const PowerChoice& power = {}) {
   const Vec2 along = segment.to - segment.from, middle = 0.5 * (segment.from + segment.to);
   const double length = along.norm(), mean = 0.5 * (depthFrom + depthTo);
   const Vec2 across = length > 0 ? Vec2(Vec2(-along.y(), along.x()) * (width / length)) : Vec2(0, width);
@@ -82,6 +91,8 @@ inline AreaMoments integrate(const Segment& segment, double width, double depthF
   m.xy = m.area * (middle.x() * middle.y() + (along.x() * along.y() + across.x() * across.y()) / 12);
   m.volume = m.area * mean;
   m.firstOfVolume = m.area * (mean * middle + (depthTo - depthFrom) / 12 * along);
+  m.square = m.area * (mean * mean + (depthTo - depthFrom) * (depthTo - depthFrom) / 12);
+  if (power.exponent > 0) m.powers = integratePowers(segment, width, depthFrom, depthTo, power);
   return m;
 }
 

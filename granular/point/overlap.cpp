@@ -48,7 +48,8 @@ double findMiddle(const Cells& cells, const Vec2& x) {
 /// Flat faces on both sides: all cells, from the deepest place outwards.
 class FaceWalk {
  public:
-  FaceWalk(const SurfaceSide& sideA, const SurfaceSide& sideB) : a(sideA), b(sideB) {}
+  FaceWalk(const SurfaceSide& sideA, const SurfaceSide& sideB, const PowerChoice& choice)
+      : a(sideA), b(sideB), power(choice) {}
 
   void measure(double overlap, OverlapArea& out) {
     const std::int32_t startA = a.findStartFace(1e-3 * overlap), startB = b.findStartFace(1e-3 * overlap);
@@ -89,7 +90,7 @@ class FaceWalk {
       if (region.count == 0) continue;
       if (projected != cell.b) b.projectFace(projected = cell.b, under);
       clipPolygon(under, region);
-      const AreaMoments moments = integrate(region, depth);
+      const AreaMoments moments = integrate(region, depth, power);
       out.moments += moments;
       if (k == 0) least = narrowest * moments.volume;
       for (int e = 0; e < region.count; ++e) cross(cell, depth, e);
@@ -126,13 +127,15 @@ class FaceWalk {
   static constexpr double narrowest = 2e-3;
 
   const SurfaceSide &a, &b;
+  const PowerChoice power;
   Cells cells;
   Polygon region, under;
   double least = 0;
 };
 
 /// A segment over flat faces, or beside another segment: the strip along it.
-void measureStrip(const SurfaceSide& a, const SurfaceSide& b, double width, OverlapArea& out) {
+void measureStrip(const SurfaceSide& a, const SurfaceSide& b, double width, const PowerChoice& power,
+                  OverlapArea& out) {
   const bool aIsSegment = a.dimension() == 2;
   const SurfaceSide& thin = aIsSegment ? a : b;
   const SurfaceSide& wide = aIsSegment ? b : a;
@@ -153,7 +156,7 @@ void measureStrip(const SurfaceSide& a, const SurfaceSide& b, double width, Over
     } else if (!clipSegment(wide.segment(), width, piece)) {
       continue;
     }
-    out.moments += integrate(piece, width, depth.at(piece.from), depth.at(piece.to));
+    out.moments += integrate(piece, width, depth.at(piece.from), depth.at(piece.to), power);
   }
   if (out.moments.volume > 0) out.height = findMiddle(cells, out.moments.centroidOfVolume());
 }
@@ -163,15 +166,15 @@ bool isCurved(const Shape& shape) { return shape.kind() == ShapeKind::sphere || 
 }  // namespace
 
 bool measureOverlap(const ContactPlane& plane, const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB,
-                    double overlap, OverlapArea& out) {
+                    double overlap, const PowerChoice& power, OverlapArea& out) {
   if (isCurved(a) || isCurved(b)) return false;
   const SurfaceSide sideA(plane, a, frameA, 1), sideB(plane, b, frameB, -1);
   if (sideA.dimension() == 1 || sideB.dimension() == 1) return false;
   out = OverlapArea{};
   if (sideA.dimension() == 3 && sideB.dimension() == 3) {
-    FaceWalk(sideA, sideB).measure(overlap, out);
+    FaceWalk(sideA, sideB, power).measure(overlap, out);
   } else {
-    measureStrip(sideA, sideB, overlap, out);
+    measureStrip(sideA, sideB, overlap, power, out);
   }
   return out.moments.volume > 0 && out.moments.area > 0;
 }

@@ -21,6 +21,6 @@ struct OverlapArea {
 /// False where there is no area: a surface that is curved both ways, or round-off; out is then unspecified. Straight
 /// pieces (sides of cylinders) count as strips as wide as the overlap is deep.
 bool measureOverlap(const ContactPlane& plane, const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB,
-                    double overlap, OverlapArea& out);
+                    double overlap, const PowerChoice& power, OverlapArea& out);
 
 }  // namespace granular

@@ -173,7 +173,7 @@ void PackingRun::chooseTimeStep() {
     alive.push_back(pour->makeShape(number));
     add(*alive.back(), materialOfGroup[group], densityOfGroup[group]);
   }
-  stepBound = boundBeforeRun(kinds, state->materials, state->options.law, state->options.lawOptions);
+  stepBound = boundBeforeRun(kinds, state->materials, state->options, static_cast<int>(settings.time.contacts));
   if (settings.time.step) {
     dt = *settings.time.step;
     require(dt <= stepBound.bound, fmt::format("{}: time.step = {:g} s is above the stability bound {:.4g} s ({})",

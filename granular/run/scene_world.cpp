@@ -39,7 +39,7 @@ MaterialTable makeMaterials(const Scene& scene) {
 WorldOptions makeOptions(const Scene& scene) {
   WorldOptions options;
   options.gravity = scene.gravity;
-  options.rule = {pointRuleFromName(scene.model.pointRule), scene.model.slab};
+  options.rule = {pointRuleFromName(scene.model.pointRule), scene.model.slab, static_cast<int>(scene.model.sharpness)};
   options.law = lawFromName(scene.model.law);
   options.lawOptions.tension = scene.model.tension;
   options.lawOptions.frictionOfPush = scene.model.frictionLimit == ModelSettings::FrictionLimit::push;

@@ -253,6 +253,7 @@ void describe(Archive& archive, World& world) {
     archive.visit("calm", world.sleep.calm, {"s", ""});
     archive.visit("force", world.sleep.force, {"N", "net, when it fell asleep"});
     archive.visit("torque", world.sleep.torque, {"N m", ""});
+    archive.visit("load", world.sleep.load, {"N", "carried when it fell asleep"});
     archive.visit("energy_let_go", world.sleep.energyLetGo, {"J", ""});
     archive.visit("fallen", world.sleep.fallen);
     archive.visit("woken", world.sleep.woken);

@@ -13,20 +13,22 @@ void SleepState::remove(const std::vector<bool>& gone) {
   compact(calm);
   compact(force);
   compact(torque);
+  compact(load);
 }
 
 void updateSleep(const SleepOptions& options, double gravity, double dt, const std::vector<std::int32_t>& slots,
-                 Bodies& bodies, SleepState& state) {
+                 const std::vector<double>& load, Bodies& bodies, SleepState& state) {
   const std::size_t n = bodies.size();
   state.calm.resize(n, 0);
   state.force.resize(n, Vec3::Zero());
   state.torque.resize(n, Vec3::Zero());
+  state.load.resize(n, 0);
   for (const std::int32_t slot : slots) {
     const auto i = static_cast<std::size_t>(slot);
     const double weight = bodies.mass[i] * gravity;
     const double size = bodies.shape[i]->size();
     if (bodies.state[i] == BodyState::asleep) {
-      const double bound = options.wake * weight;
+      const double bound = options.wake * state.load[i];
       if ((bodies.force[i] - state.force[i]).squaredNorm() <= bound * bound &&
           (bodies.torque[i] - state.torque[i]).squaredNorm() <= bound * bound * size * size) {
         continue;
@@ -41,13 +43,14 @@ void updateSleep(const SleepOptions& options, double gravity, double dt, const s
         0.5 * (bodies.mass[i] * bodies.v[i].squaredNorm() + spin.dot(bodies.inertia[i].cwiseProduct(spin)));
     state.calm[i] = energy <= options.energy * weight * 2 * size ? state.calm[i] + dt : 0;
     if (state.calm[i] < options.time) continue;
-    const double balance = options.balance * weight;
+    const double balance = options.balance * load[i];
     if (bodies.force[i].squaredNorm() > balance * balance ||
         bodies.torque[i].squaredNorm() > balance * balance * size * size) {
       continue;
     }
     state.force[i] = bodies.force[i];
     state.torque[i] = bodies.torque[i];
+    state.load[i] = load[i];
     state.energyLetGo += energy;
     ++state.fallen;
     bodies.hold(i, BodyState::asleep);

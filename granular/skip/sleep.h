@@ -1,6 +1,8 @@
 // Sleeping: a body that has been slow for a stated time is taken out of the motion at a moment when its forces balance;
 // it wakes when the force on it differs from the force when it fell asleep by more than a bound. The whole
-// bed is one island: each body decides for itself.
+// bed is one island: each body decides for itself. Forces are measured by the load that a body carries, its weight plus
+// half the sum of its contact forces: the waves of an impact that pass through a loaded body are small against what
+// holds it, while a contact that is lost is not.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +16,15 @@ struct SleepOptions {
   bool on = false;
   double energy = 1e-4;  ///< slow: kinetic energy below this times m g d (d: equal-volume diameter)
   double time = 1e-2;    ///< for so long, s
-  double balance = 0.1;  ///< then, once the net force is below this times m g, and the torque below this times m g d/2
-  double wake = 0.3;     ///< woken when the net force changed by this times m g (torque: times m g d/2)
+  double balance = 0.1;  ///< then, once the net force is below this times the load, and the torque below that times d/2
+  double wake = 0.3;     ///< woken when the net force changed by this times the load at sleep (torque: times d/2 too)
 };
 
 /// What sleeping remembers; part of a checkpoint.
 struct SleepState {
   std::vector<double> calm;             ///< how long a body has been slow, s
   std::vector<Vec3> force, torque;      ///< net, when it fell asleep
+  std::vector<double> load;             ///< when it fell asleep, N
   double energyLetGo = 0;               ///< kinetic energy taken away so far, J
   std::uint64_t fallen = 0, woken = 0;  ///< events so far
 
@@ -30,8 +33,9 @@ struct SleepState {
 };
 
 /// Lets bodies fall asleep and wakes them, after the forces of a step are gathered. slots, ascending: those whose
-/// forces were; others must be frozen, or asleep with the force they had.
+/// forces were; others must be frozen, or asleep with the force they had. load:
+/// what each slot carries now, N.
 void updateSleep(const SleepOptions& options, double gravity, double dt, const std::vector<std::int32_t>& slots,
-                 Bodies& bodies, SleepState& state);
+                 const std::vector<double>& load, Bodies& bodies, SleepState& state);
 
 }  // namespace granular

@@ -138,7 +138,7 @@ SunkenPart cutOut(const FacetQuery& f, const SunkenSurface& surface) {
 }
 
 void measurePart(const FacetQuery& f, SunkenSurface& surface, FacetPart& part) {
-  surface.look(f.plane, f.deepest, f.query.shape, f.query.frame);
+  surface.look(f.query.rule, f.plane, f.deepest, f.query.shape, f.query.frame);
   if (surface.dimension() == 1) return;
   const double whole = surface.integrateWhole().area;
   part.sunken = cutOut(f, surface);
@@ -153,12 +153,14 @@ void placePart(const FacetQuery& f, bool over, const FacetPart& part, SunkenSurf
   if (rule == PointRule::faceCentroid) {
     surface.lookAtFeature(f.plane, f.deepest, f.query.rule.slab * f.depth, f.query.shape, f.query.frame);
     const AreaMoments moments = cutOut(f, surface).moments;
-    if (moments.volume > 0) return surface.place(rule, moments, out);
-    surface.look(f.plane, f.deepest, f.query.shape, f.query.frame);
+    if (moments.volume > 0) return surface.place(f.query.rule, moments, part.overlap, out);
+    surface.look(f.query.rule, f.plane, f.deepest, f.query.shape, f.query.frame);
   }
   // The deepest point may lie beside the facet.
   const bool deepestRule = rule == PointRule::witness || rule == PointRule::manifold;
-  surface.place(deepestRule && !over ? PointRule::pressureCentroid : rule, part.sunken.moments, out);
+  RuleOptions options = f.query.rule;
+  if (deepestRule && !over) options.rule = PointRule::pressureCentroid;
+  surface.place(options, part.sunken.moments, part.overlap, out);
 }
 
 }  // namespace

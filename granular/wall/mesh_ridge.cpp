@@ -253,7 +253,7 @@ SunkenPart measureStretch(const MeshQuery& query, const RidgeDepth& depth, Sunke
   SunkenPart part;
   const Ridge& ridge = query.mesh.ridges[at(depth.ridge)];
   const Vec3 &a = query.mesh.vertices[at(ridge.a)], &b = query.mesh.vertices[at(ridge.b)];
-  surface.look({depth.normal, depth.normal.dot(a)}, depth.deepest, query.shape, query.frame);
+  surface.look(query.rule, {depth.normal, depth.normal.dot(a)}, depth.deepest, query.shape, query.frame);
   if (surface.dimension() > 1) surface.addAlong({surface.view().project(a), surface.view().project(b)}, part);
   return part;
 }
@@ -332,10 +332,13 @@ bool touchRidge(const MeshQuery& query, const RidgeDepth& depth, std::span<const
   touch.overlap = within ? depth.overlap : part.deepest;
   const PointRule rule = query.rule.rule;
   const bool deepestRule = rule == PointRule::witness || rule == PointRule::manifold;
+  RuleOptions broadRule = query.rule;
+  broadRule.rule = PointRule::pressureCentroid;
   if (part.isBroad() && !(deepestRule && within))
-    surface.place(deepestRule ? PointRule::pressureCentroid : rule, part.moments, touch.patch);
+    surface.place(deepestRule ? broadRule : query.rule, part.moments, touch.overlap, touch.patch);
   else
-    placePoint(depth.deepest + 0.5 * depth.overlap * depth.normal, perpendicular(touch.normal), touch.patch);
+    placePoint(depth.deepest + 0.5 * depth.overlap * depth.normal, perpendicular(touch.normal), touch.overlap,
+               touch.patch);
   out.part = depth.ridge;
   out.broad = part.isBroad();
   const double beside = besideFacets(query, ridge, depth.normal, facets) * (within ? 1 : part.flatness());
@@ -375,7 +378,7 @@ bool touchCorner(const MeshQuery& query, const CornerDepth& depth, std::span<con
   touch.normal = depth.normal;
   touch.overlap = depth.overlap;
   placePoint(mesh.vertices[at(corner.vertex)] + 0.5 * depth.overlap * depth.normal, perpendicular(depth.normal),
-             touch.patch);
+             depth.overlap, touch.patch);
   out.part = depth.corner;
   out.broad = false;
   out.claim = {depth.overlap * weight, depth.overlap};

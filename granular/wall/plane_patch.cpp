@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "granular/point/clip.h"
+#include "granular/point/rules.h"
 #include "granular/point/witness.h"
 
 namespace granular {
@@ -19,9 +20,12 @@ ContactPlane viewOf(const Plane& plane, const Vec3& deepest) {
 
 }  // namespace
 
-void SunkenSurface::look(const Plane& wall, const Vec3& deepest, const Shape& shape, const Frame& frame) {
+void SunkenSurface::look(const RuleOptions& rule, const Plane& wall, const Vec3& deepest, const Shape& shape,
+                         const Frame& frame) {
   plane = viewOf(wall, deepest);
   overlap = wall.depth(deepest);
+  size = shape.size();
+  power = powersFor(rule, overlap);
   pieces.clear();
   kind = 1;
   if (shape.kind() == ShapeKind::sphere || shape.kind() == ShapeKind::ellipsoid) return;
@@ -69,6 +73,8 @@ void SunkenSurface::lookAtFeature(const Plane& wall, const Vec3& deepest, double
                                   const Frame& frame) {
   plane = viewOf(wall, deepest);
   overlap = wall.depth(deepest);
+  size = shape.size();
+  power = PowerChoice{};
   pieces.clear();
   Feature feature;
   shape.supportFeature(frame.unrotate(plane.n), slab, feature);
@@ -87,13 +93,13 @@ void SunkenSurface::lookAtFeature(const Plane& wall, const Vec3& deepest, double
 
 AreaMoments SunkenSurface::integrateWhole() const {
   AreaMoments moments;
-  for (const Piece& piece : pieces) moments += integrate(piece.region, piece.depth);
-  if (kind == 2) moments += integrate(line, overlap, lineDepth.at(line.from), lineDepth.at(line.to));
+  for (const Piece& piece : pieces) moments += integrate(piece.region, piece.depth, power);
+  if (kind == 2) moments += integrate(line, overlap, lineDepth.at(line.from), lineDepth.at(line.to), power);
   return moments;
 }
 
 void SunkenSurface::addStretch(const Segment& stretch, const Linear& depth, double flat, SunkenPart& part) const {
-  part.add(integrate(stretch, overlap, depth.at(stretch.from), depth.at(stretch.to)), flat);
+  part.add(integrate(stretch, overlap, depth.at(stretch.from), depth.at(stretch.to), power), flat);
   part.deepest = std::max({part.deepest, depth.at(stretch.from), depth.at(stretch.to)});
 }
 
@@ -110,7 +116,7 @@ void SunkenSurface::addInside(const Polygon& polygon, SunkenPart& part) const {
     std::copy_n(piece.region.edges.begin(), region.count, region.edges.begin());
     clipPolygon(polygon, region);
     if (region.count < 3) continue;
-    part.add(integrate(region, piece.depth), piece.flat);
+    part.add(integrate(region, piece.depth, power), piece.flat);
     for (int k = 0; k < region.count; ++k) part.deepest = std::max(part.deepest, piece.depth.at(region[k]));
   }
 }
@@ -128,26 +134,22 @@ void SunkenSurface::addAlong(const Segment& ridge, SunkenPart& part) const {
   }
 }
 
-void SunkenSurface::place(PointRule rule, const AreaMoments& m, ContactPatch& out) const {
+void SunkenSurface::place(const RuleOptions& options, const AreaMoments& m, double deepestPart,
+                          ContactPatch& out) const {
+  const PointRule rule = options.rule;
   const bool centred = rule != PointRule::witness && rule != PointRule::manifold;
-  if (!centred || kind == 1 || !(m.volume > 0 && m.area > 0)) return placePoint(plane.origin, plane.u, out);
+  if (!centred || kind == 1 || !(m.volume > 0 && m.area > 0))
+    return placePoint(plane.origin, plane.u, deepestPart, out);
   const Vec2 centre = m.centroidOfVolume();
-  if (rule == PointRule::faceCentroid) return placePoint(plane.lift(centre, 0), plane.u, out);
+  if (rule == PointRule::faceCentroid) return placePoint(plane.lift(centre, 0), plane.u, deepestPart, out);
 
   // In the middle of the overlap there: between the wall and the body's lowest surface.
   double depth = kind == 2 ? lineDepth.at(centre) : infinity;
   for (const Piece& piece : pieces) depth = std::min(depth, piece.depth.at(centre));
-  const double height = 0.5 * (depth - overlap);
-  placePoint(plane.lift(centre, height), plane.u, out);
-  if (rule != PointRule::patch) return;
-
-  // Second moments about the centroid, per area.
-  const Vec2 c = m.centroid();
-  out.centre = plane.lift(c, height);
-  out.area = m.area;
-  out.uu = m.xx / m.area - c.x() * c.x();
-  out.vv = m.yy / m.area - c.y() * c.y();
-  out.uv = m.xy / m.area - c.x() * c.y();
+  placePressure(options, plane, m, overlap, 0.5 * (depth - overlap), size, out);
+  if (hasOwnDepth(rule)) return;
+  out.depth = deepestPart;
+  out.squaredDepth = deepestPart * deepestPart;
 }
 
 void placeOnPlane(const RuleOptions& options, const Shape& shape, const Frame& frame, const Plane& plane,
@@ -155,15 +157,18 @@ void placeOnPlane(const RuleOptions& options, const Shape& shape, const Frame& f
   switch (options.rule) {
     case PointRule::witness:
     case PointRule::manifold:
-      return placePoint(deepest + 0.5 * plane.depth(deepest) * plane.normal, perpendicular(plane.normal), out);
+      return placePoint(deepest + 0.5 * plane.depth(deepest) * plane.normal, perpendicular(plane.normal),
+                        plane.depth(deepest), out);
     case PointRule::faceCentroid:
       surface.lookAtFeature(plane, deepest, options.slab * plane.depth(deepest), shape, frame);
       break;
     case PointRule::pressureCentroid:
     case PointRule::patch:
-      surface.look(plane, deepest, shape, frame);
+    case PointRule::stiffPatch:
+    case PointRule::foundation:
+      surface.look(options, plane, deepest, shape, frame);
   }
-  surface.place(options.rule, surface.integrateWhole(), out);
+  surface.place(options, surface.integrateWhole(), plane.depth(deepest), out);
 }
 
 }  // namespace granular

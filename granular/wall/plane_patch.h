@@ -48,7 +48,7 @@ class SunkenSurface {
  public:
   /// Looks at the surface below the plane: flat faces (from the deepest one outwards), a straight piece, or a point.
   /// deepest: the deepest point of the shape, world axes, below the plane.
-  void look(const Plane& plane, const Vec3& deepest, const Shape& shape, const Frame& frame);
+  void look(const RuleOptions& rule, const Plane& plane, const Vec3& deepest, const Shape& shape, const Frame& frame);
   /// Looks at the support feature within the slab (m) instead, as the paper does; its depth counts as 1 everywhere.
   void lookAtFeature(const Plane& plane, const Vec3& deepest, double slab, const Shape& shape, const Frame& frame);
 
@@ -63,8 +63,9 @@ class SunkenSurface {
   /// Adds the strips above a straight line of the contact plane, a ridge.
   void addAlong(const Segment& ridge, SunkenPart& part) const;
 
-  /// Places the contact, given the integrals over its part of the surface (nothing of volume: the deepest point).
-  void place(PointRule rule, const AreaMoments& moments, ContactPatch& out) const;
+  /// Places the contact, given the integrals over its part of the surface (nothing of volume: the deepest point) and
+  /// the largest depth of this part, m.
+  void place(const RuleOptions& rule, const AreaMoments& moments, double deepestPart, ContactPatch& out) const;
 
  private:
   void lookAtFaces(const SurfaceSide& side);
@@ -76,7 +77,8 @@ class SunkenSurface {
     double flat;  ///< flatWeight of its cosine
   };
   ContactPlane plane{Touch{Vec3::UnitZ(), 0, Vec3::Zero(), Vec3::Zero()}};
-  double overlap = 0;
+  double overlap = 0, size = 0;
+  PowerChoice power;
   int kind = 1;
   std::vector<Piece> pieces;
   Segment line;

@@ -9,6 +9,7 @@
 
 #include "granular/core/errors.h"
 #include "granular/core/tolerances.h"
+#include "granular/point/witness.h"
 #include "granular/shape/cone.h"
 #include "granular/shape/cylinder.h"
 #include "granular/shape/ellipsoid.h"
@@ -44,8 +45,7 @@ void pushSpot(const Vessel& vessel, const Vec3& p, std::int32_t spot, double wei
   touch.normal = Vec3(r.x() / distance, r.y() / distance, 0);
   touch.overlap = overlap;
   touch.spot = spot;
-  touch.patch.point = touch.patch.centre = p - 0.5 * overlap * touch.normal;
-  touch.patch.u = perpendicular(touch.normal);
+  placePoint(p - 0.5 * overlap * touch.normal, perpendicular(touch.normal), overlap, touch.patch);
   out.touches.push_back(touch);
   out.claims.push_back({weight * overlap, overlap});
 }

@@ -73,13 +73,13 @@ Encounter meet(const World& world, const Contact& contact, double dt) {
 
   ContactMotion& motion = met.motion;
   motion.normal = contact.touch.normal;
-  motion.overlap = contact.touch.overlap;
+  motion.overlap = contact.patch.depth;
   motion.velocity = bodies.v[a] + bodies.w[a].cross(met.a.arm) - velocityB;
   motion.slip = (bodies.vHalf[a] + bodies.spinHalf[a].cross(met.a.arm) - slipVelocityB) * dt;
   motion.spin = bodies.w[a] - spinB;
   motion.meanSpin = 0.5 * (bodies.w[a] + spinB);
   motion.turn = (bodies.spinHalf[a] - spinHalfB) * dt;
-  motion.share = contact.share;
+  motion.share = contact.share * contact.patch.share;
   motion.dt = dt;
   motion.centreArm = contact.patch.centre - point;
   motion.area = contact.patch.area;
@@ -87,6 +87,7 @@ Encounter meet(const World& world, const Contact& contact, double dt) {
   motion.uu = contact.patch.uu;
   motion.vv = contact.patch.vv;
   motion.uv = contact.patch.uv;
+  motion.rocking = rockingDamping(world.options.rule);
   return met;
 }
 
@@ -130,6 +131,8 @@ void applyForceLaws(double dt, World& world) {
 void gatherForces(World& world) {
   Bodies& bodies = world.bodies;
   const std::size_t pairCount = world.activePairs.size();
+  const bool loads = world.options.sleep.on;
+  if (loads) world.load.resize(bodies.size());
   const auto n = static_cast<std::int64_t>(world.gathered.size());
 #pragma omp parallel for schedule(static) if (world.gathered.size() >= bodiesForThreads)
   for (std::int64_t g = 0; g < n; ++g) {
@@ -137,6 +140,7 @@ void gatherForces(World& world) {
     const bool asleep = bodies.state[i] == BodyState::asleep;
     Vec3 force = bodies.mass[i] * world.options.gravity;
     Vec3 torque = Vec3::Zero();
+    double load = loads ? force.norm() : 0;
     if (asleep) {
       force += world.heldForce[i];
       torque += world.heldTorque[i];
@@ -152,10 +156,12 @@ void gatherForces(World& world) {
         const Contact& contact = world.chunks[chunk].contacts[at(k)];
         force += link.isB ? -contact.force.force : contact.force.force;
         torque += link.isB ? contact.torqueB : contact.torqueA;
+        if (loads) load += 0.5 * contact.force.force.norm();
       }
     }
     bodies.force[i] = force;
     bodies.torque[i] = torque;
+    if (loads) world.load[i] = load;
   }
 
   // Walls are few: their sums run over all their contacts in order.

@@ -65,7 +65,7 @@ void letSleep(double dt, World& world) {
   if (!world.options.sleep.on) return;
   Bodies& bodies = world.bodies;
   const std::uint64_t before = world.sleep.fallen + world.sleep.woken;
-  updateSleep(world.options.sleep, world.options.gravity.norm(), dt, world.gathered, bodies, world.sleep);
+  updateSleep(world.options.sleep, world.options.gravity.norm(), dt, world.gathered, world.load, bodies, world.sleep);
   if (world.sleep.fallen + world.sleep.woken == before) return;
   world.layoutStale = true;
   // A contact between bodies that both rest keeps its force until one of them wakes.

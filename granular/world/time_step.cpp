@@ -9,12 +9,18 @@
 namespace granular {
 namespace {
 
+/// How a body gives way to a contact, 1/kg: g of its centre and its turning about the arm, and of its rocking on the
+/// area.
+struct Compliance {
+  double point = 0, rocking = 0;
+};
+
 /// Sums of k g and eta g over the contacts of one body.
 struct Rates {
   double stiffness = 0, damping = 0;
-  void add(const ContactStiffness& contact, double g) {
-    stiffness += contact.normal * g;
-    damping += contact.dampingNormal * g;
+  void add(const ContactStiffness& contact, const Compliance& g, const RuleOptions& rule) {
+    stiffness += contact.normal * (g.point + rockingStiffness(rule) * g.rocking);
+    damping += contact.dampingNormal * (g.point + rockingDamping(rule) * g.rocking);
   }
   double bound() const {
     if (stiffness <= 0) return infinity;
@@ -24,13 +30,13 @@ struct Rates {
   }
 };
 
-/// The compliance g of a body of unit density at its worst and its average place, over directions spread evenly.
-struct Compliance {
-  double worst = 0, mean = 0;
+/// The compliance of a body of unit density at its worst and its average place, over directions spread evenly.
+struct ShapeCompliance {
+  Compliance worst, mean;
 };
-Compliance complianceOf(const Shape& shape) {
+ShapeCompliance complianceOf(const Shape& shape, const RuleOptions& rule) {
   const MassProperties& unit = shape.massProperties();
-  Compliance result;
+  ShapeCompliance result;
   const int samples = 2000;
   const double golden = pi * (3 - std::sqrt(5.0));
   for (int k = 0; k < samples; ++k) {
@@ -40,14 +46,16 @@ Compliance complianceOf(const Shape& shape) {
     const Vec3 n(s * std::cos(golden * k), s * std::sin(golden * k), z);
     const Vec3 lever = shape.support(n).cross(n);
     const double g = 1 / unit.volume + lever.dot(unit.inertia.cwiseInverse().cwiseProduct(lever));
-    result.worst = std::max(result.worst, g);
-    result.mean += g / samples;
+    result.worst.point = std::max(result.worst.point, g);
+    result.mean.point += g / samples;
   }
+  if (shape.kind() == ShapeKind::sphere || shape.kind() == ShapeKind::ellipsoid) return result;
+
   // A patch rocks about an axis with the second moment of its area, k <s^2>/I. For a cube on its face that is half of
   // 1/m, and slender bodies keep the ratio: both s and I are measured across the axis.
-  const double rocking = 0.5 / unit.volume;
-  result.mean += rocking;
-  result.worst = std::max(result.worst, 1 / unit.volume + 2 * rocking);
+  result.mean.rocking = 0.5 / unit.volume;
+  const Compliance face{1 / unit.volume, 2 * result.mean.rocking};
+  if (face.point + rockingStiffness(rule) * face.rocking > result.worst.point) result.worst = face;
   return result;
 }
 
@@ -58,27 +66,37 @@ void stretchRates(const LawConstants& constants, ContactStiffness& stiffness) {
   stiffness.normal *= std::max(1.0, constants.stiffnessRatio);
 }
 
+/// The larger principal second moment of the area per area, m^2.
+double largestMoment(const ContactPatch& patch) {
+  return 0.5 * (patch.uu + patch.vv) + std::hypot(0.5 * (patch.uu - patch.vv), patch.uv);
+}
+
 }  // namespace
 
 double stableRange(double z) { return 2 * (std::sqrt(1 + 4 * z * z) - 2 * z); }
 
-TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialTable& materials, LawKind law,
-                             const LawOptions& options, int contactsAssumed) {
+TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialTable& materials,
+                             const WorldOptions& options, int contactsAssumed) {
   TimeStepBound result;
   // The tensor law lets a body swing with the compliance of its partner too: the largest there is.
-  const bool shared = law == LawKind::tensor;
-  std::vector<Compliance> compliances;
-  Compliance largest;
+  const bool shared = options.law == LawKind::tensor;
+  std::vector<ShapeCompliance> compliances;
+  ShapeCompliance largest;
   for (const BodyKind& kind : kinds) {
-    const Compliance unit = complianceOf(*kind.shape);
-    compliances.push_back({unit.worst / kind.density, unit.mean / kind.density});
-    largest.worst = std::max(largest.worst, compliances.back().worst);
-    largest.mean = std::max(largest.mean, compliances.back().mean);
+    const ShapeCompliance unit = complianceOf(*kind.shape, options.rule);
+    const double inverse = 1 / kind.density;
+    compliances.push_back({{unit.worst.point * inverse, unit.worst.rocking * inverse},
+                           {unit.mean.point * inverse, unit.mean.rocking * inverse}});
+    largest.worst.point = std::max(largest.worst.point, compliances.back().worst.point);
+    largest.mean.point = std::max(largest.mean.point, compliances.back().mean.point);
   }
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     const BodyKind& kind = kinds[k];
-    Compliance felt = compliances[k];
-    if (shared) felt = {0.5 * (felt.worst + largest.worst), 0.5 * (felt.mean + largest.mean)};
+    ShapeCompliance felt = compliances[k];
+    if (shared) {
+      felt.worst.point = 0.5 * (felt.worst.point + largest.worst.point);
+      felt.mean.point = 0.5 * (felt.mean.point + largest.mean.point);
+    }
     const MassProperties& properties = kind.shape->massProperties();
     ContactBody self;
     self.inverseMass = 1 / (kind.density * properties.volume);
@@ -87,12 +105,14 @@ TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialT
       const LawConstants& constants = materials.constants(kind.material, partner);
       // A wall damps most for its stiffness; a twin makes the shortest contact. Both through the centre of mass, where
       // every law has the stiffness k_n.
-      ContactStiffness wall = stiffnessOf(LawKind::linear, constants, options, self, ContactBody{}, Vec3::UnitZ());
-      const ContactStiffness twin = stiffnessOf(LawKind::linear, constants, options, self, self, Vec3::UnitZ());
+      ContactStiffness wall =
+          stiffnessOf(LawKind::linear, constants, options.lawOptions, self, ContactBody{}, Vec3::UnitZ());
+      const ContactStiffness twin =
+          stiffnessOf(LawKind::linear, constants, options.lawOptions, self, self, Vec3::UnitZ());
       if (shared) stretchRates(constants, wall);
       Rates rates;
-      rates.add(wall, felt.worst);
-      for (int n = 1; n < contactsAssumed; ++n) rates.add(wall, felt.mean);
+      rates.add(wall, felt.worst, options.rule);
+      for (int n = 1; n < contactsAssumed; ++n) rates.add(wall, felt.mean, options.rule);
       result.contactTime = std::min(result.contactTime, twin.contactTime);
       if (rates.bound() < result.bound) {
         result.bound = rates.bound();
@@ -138,24 +158,26 @@ TimeStepBound boundOfContacts(const World& world) {
     result.contactTime = std::min(result.contactTime, stiffness.contactTime);
 
     // k g of either body; with the tensor law half the contact's own rate, in the direction that swings fastest.
+    const double share = contact.share * contact.patch.share;
     const double compliance = localInverseMass(bodyA, n) + localInverseMass(bodyB, n);
     const auto addTo = [&](std::int32_t index, const ContactBody& body) {
       if (index < 0 || body.inverseMass == 0) return;
       Rates& own = rates[static_cast<std::size_t>(index)];
-      const double rocking = (contact.patch.uu + contact.patch.vv) * body.inverseInertia.diagonal().maxCoeff();
-      ContactStiffness share = stiffness;
-      share.normal *= contact.share;
-      share.dampingNormal *= contact.share;
+      const double rocking = largestMoment(contact.patch) * body.inverseInertia.diagonal().maxCoeff();
+      const RuleOptions& rule = world.options.rule;
+      ContactStiffness spot = stiffness;
+      spot.normal *= share;
+      spot.dampingNormal *= share;
       if (law != LawKind::tensor) {
-        own.add(share, localInverseMass(body, n) + rocking);
+        own.add(spot, {localInverseMass(body, n), rocking}, rule);
         return;
       }
-      own.add(share, rocking);
-      share.normal = contact.share * constants.parameters.stiffness;
-      share.dampingNormal =
-          contact.share * constants.dampingN[world.options.lawOptions.tension] * std::sqrt(share.normal / compliance);
-      stretchRates(constants, share);
-      own.add(share, 0.5 * compliance);
+      own.add(spot, {0, rocking}, rule);
+      spot.normal = share * constants.parameters.stiffness;
+      spot.dampingNormal =
+          share * constants.dampingN[world.options.lawOptions.tension] * std::sqrt(spot.normal / (share * compliance));
+      stretchRates(constants, spot);
+      own.add(spot, {0.5 * compliance, 0}, rule);
     };
     addTo(contact.a, bodyA);
     addTo(contact.b, bodyB);

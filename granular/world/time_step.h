@@ -33,8 +33,8 @@ struct BodyKind {
 
 /// Before a run: the bodies that will take part, with `contactsAssumed` contacts at once, one of them at the shape's
 /// worst place and the others at average places.
-TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialTable& materials, LawKind law,
-                             const LawOptions& options, int contactsAssumed = 8);
+TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialTable& materials,
+                             const WorldOptions& options, int contactsAssumed = 8);
 
 /// During a run: the bodies with the contacts they have now.
 TimeStepBound boundOfContacts(const World& world);

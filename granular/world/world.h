@@ -90,6 +90,7 @@ struct World {
   std::vector<ContactRange> contactsOfPair;
   /// Sums of the contacts a body at rest has with others at rest, which keep their force; empty unless bodies sleep.
   std::vector<Vec3> heldForce, heldTorque;
+  std::vector<double> load;  ///< weight plus half the sum of the contact forces of each moving body, N; for sleep alone
   bool layoutStale = false;  ///< bodies fell asleep or woke: lay out the contacts anew
 
   std::vector<Vec3> wallForces;  ///< on each wall, N, of the last step

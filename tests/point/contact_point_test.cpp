@@ -168,7 +168,7 @@ TEST(Overlap, IntegralIsTheVolumeOfTheIntersection) {
     const Frame frame = sink(random.rotation().toRotationMatrix(), 0.2);
     const Touch touch = touchTopFace(makeCube(), frame);
     OverlapArea area;
-    ASSERT_TRUE(measureOverlap(ContactPlane(touch), makeCube(), frame, makeSlab(), below, touch.overlap, area));
+    ASSERT_TRUE(measureOverlap(ContactPlane(touch), makeCube(), frame, makeSlab(), below, touch.overlap, {}, area));
     const int n = 120;
     const double h = 4.0 / n;
     double counted = 0;

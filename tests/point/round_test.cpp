@@ -165,7 +165,7 @@ TEST(Overlap, OfGrainsIsTheIntegralOfTheirDepthByLines) {
     const Touch touch{n, depth, topB + depth * n, topB};
     const ContactPlane plane(touch);
     OverlapArea area;
-    ASSERT_TRUE(measureOverlap(plane, a, frameA, b, frameB, depth, area));
+    ASSERT_TRUE(measureOverlap(plane, a, frameA, b, frameB, depth, {}, area));
 
     const int lines = 1000;
     const double h = 2.0 / lines;

@@ -71,7 +71,7 @@ TEST(UsersShape, TwoHundredPourIntoABox) {
   }
   ASSERT_EQ(world.bodies.size(), 200u);
 
-  const double dt = 0.5 * boundBeforeRun({{shape.get(), 0, 1200}}, world.materials, LawKind::linear, {}).bound;
+  const double dt = 0.5 * boundBeforeRun({{shape.get(), 0, 1200}}, world.materials, world.options).bound;
   startHalfSteps(world, dt, 0, true);
   for (int n = 0; n < 3000; ++n) step(world, dt);
 

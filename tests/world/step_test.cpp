@@ -215,7 +215,7 @@ TEST(TimeStep, BoundBeforeTheRunIsBelowThatOfTheContactsThatCome) {
   auto world = makeHeap({}, 4);
   std::vector<BodyKind> kinds;
   for (const auto& shape : world->shapes) kinds.push_back({shape.get(), 0, 2500});
-  const TimeStepBound before = boundBeforeRun(kinds, world->materials, LawKind::linear, {});
+  const TimeStepBound before = boundBeforeRun(kinds, world->materials, world->options);
   startHalfSteps(*world, 5e-6, 0, true);
   double smallest = infinity;
   for (int n = 0; n < 6000; ++n) {

@@ -1,0 +1,127 @@
+// Builds a tower of cuboids and watches whether it stands.
+#include <omp.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+
+#include "granular/core/errors.h"
+#include "granular/io/output_file.h"
+#include "granular/io/progress.h"
+#include "granular/run/stack_report.h"
+#include "run_program.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  granular::StackSettings stack;
+  std::string rule = "stiff_patch", law = "linear", engine = "granular";
+  fs::path json, out;
+};
+
+void addOptions(CLI::App& app, Options& o) {
+  granular::StackSettings& s = o.stack;
+  app.add_option("--count", s.count, "cuboids")->capture_default_str();
+  app.add_option("--time", s.time, "simulated time, s; a fall ends the run earlier")->capture_default_str();
+  app.add_option(
+         "--rule", o.rule,
+         "contact-point rule: witness, manifold, face_centroid, pressure_centroid, patch, stiff_patch, foundation")
+      ->capture_default_str();
+  app.add_option("--slab", s.rule.slab, "of face_centroid, a fraction of the overlap")->capture_default_str();
+  app.add_option("--sharpness", s.rule.sharpness, "of stiff_patch: half its rocking stiffness over a foundation's")
+      ->capture_default_str();
+  app.add_option("--law", o.law, "contact law: linear, linear_local, tensor")->capture_default_str();
+  app.add_option("--dt", s.step, "time step, s; 0: --fraction of the stability bound")->capture_default_str();
+  app.add_option("--fraction", s.fraction, "of the stability bound")->capture_default_str();
+  app.add_option("--kn", s.contact.stiffness, "normal stiffness, N/m")->capture_default_str();
+  app.add_option("--restitution", s.contact.restitution, "normal")->capture_default_str();
+  app.add_option("--restitution-t", s.contact.restitutionT, "tangential")->capture_default_str();
+  app.add_option("--friction", s.contact.friction, "Coulomb's coefficient")->capture_default_str();
+  app.add_option("--side", s.side, "of a cube, m")->capture_default_str();
+  app.add_option("--height", s.height, "of a cuboid, m; 0: as the side")->capture_default_str();
+  app.add_option("--sizes", s.sizes, "factors on side and height, repeated up the tower")->delimiter(',');
+  app.add_option("--density", s.density, "kg/m^3")->capture_default_str();
+  app.add_option("--gravity", s.gravity, "m/s^2")->capture_default_str();
+  app.add_option("--perturb", s.perturbation,
+                 "places off by up to this times the side, orientations by up to this in rad")
+      ->capture_default_str();
+  app.add_option("--sway", s.sway, "start with the top off by this times the side, along the lowest sway mode")
+      ->capture_default_str();
+  app.add_option("--seed", s.seed, "of the perturbation")->capture_default_str();
+  app.add_flag_callback(
+      "--drop", [&s] { s.start = granular::StackSettings::Start::drop; },
+      "start with gaps instead of in static equilibrium");
+  app.add_option("--gap", s.gap, "of --drop, over the side")->capture_default_str();
+  app.add_flag("--skip", s.skip, "use the library's shortcuts; nothing is skipped otherwise");
+  app.add_option("--engine", o.engine, "granular, or Bullet's own contacts, solver and integrator")
+      ->check(CLI::IsMember({"granular", "bullet"}))
+      ->capture_default_str();
+  app.add_option("--iterations", s.solverIterations, "of Bullet's solver")->capture_default_str();
+  app.add_option("--sample", s.sampleEvery, "time between samples, s")->capture_default_str();
+  app.add_option("--json", o.json, "write the figures here");
+  app.add_option("--out", o.out, "folder for result.json, samples.csv, velocity.png and tower.png");
+}
+
+void writeText(const fs::path& path, const std::string& text) {
+  granular::OutputFile file(path);
+  file.write(text);
+  file.finish();
+}
+
+void draw(const fs::path& out) {
+  std::fflush(stdout);
+  const std::string script = std::string(GRANULAR_PLOTS_DIR) + "/plot_stack.py";
+  if (!runProgram({"/usr/bin/python3", script, out.string()})) {
+    std::printf("plots      not drawn: they need Debian's python3-matplotlib, and %s\n", script.c_str());
+  }
+}
+
+int run(Options& o) {
+  o.stack.rule.rule = granular::pointRuleFromName(o.rule);
+  o.stack.law = granular::lawFromName(o.law);
+  // A tower is too small to share out.
+  omp_set_num_threads(1);
+
+  if (!o.out.empty()) granular::prepareOutputFolder(o.out);
+  granular::Progress line;
+  const auto watch = [&](const granular::StackSample& s) {
+    line.report(s.time / o.stack.time, [&s] { return granular::describeSample(s); });
+    return true;
+  };
+  const bool bullet = o.engine == "bullet";
+  const granular::StackResult result = bullet ? runBulletStack(o.stack, watch) : runStack(o.stack, watch);
+  line.finish();
+
+  std::fputs(granular::describeStack(o.stack, o.engine, result).c_str(), stdout);
+  const std::string json = granular::stackToJson(o.stack, o.engine, result);
+  if (!o.json.empty()) writeText(o.json, json);
+  if (o.out.empty()) return 0;
+  writeText(o.out / "result.json", json);
+  writeText(o.out / "samples.csv", granular::samplesToCsv(result));
+  writeText(o.out / "poses.csv", granular::posesToCsv(o.stack, result));
+  draw(o.out);
+  std::printf("results    %s (result.json, samples.csv, poses.csv, velocity.png, tower.png)\n", o.out.c_str());
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app(
+      "Builds a tower of cuboids, from static equilibrium or from a drop, and watches whether it stands.\n"
+      "Exit codes: 0 the run is done, standing or fallen; 1 settings that can't be used; 2 a problem of the program.");
+  addOptions(app, options);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return run(options);
+  } catch (const granular::InputError& error) {
+    std::fprintf(stderr, "stack: %s\n", error.what());
+    return 1;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "stack: %s\n", error.what());
+    return 2;
+  }
+}

@@ -1,0 +1,145 @@
+// The tower in Bullet alone, as a baseline: btDiscreteDynamicsWorld with its persistent manifolds, sequential impulses
+// and integrator. Bullet's tolerances are absolute lengths, so it sees cuboids of 3 units, the size it is made for.
+#include <btBulletDynamicsCommon.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "granular/core/errors.h"
+#include "granular/run/stack_watch.h"
+
+namespace granular {
+namespace {
+
+btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Vec3 fromBullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+
+/// Bullet's world with the tower in it. Lengths times `scale`; masses and times as they are.
+class BulletTower {
+ public:
+  BulletTower(const StackSettings& chosen, const std::vector<Pose>& poses)
+      : settings(chosen), scale(3 / chosen.side), world(&dispatcher, &broadPhase, &solver, &configuration) {
+    world.setGravity({0, 0, -settings.gravity * scale});
+    world.getSolverInfo().m_numIterations = settings.solverIterations;
+    addBody(0, std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0), {Vec3::Zero(), Quat::Identity()});
+    for (int k = 0; k < settings.count; ++k) {
+      const Pose& pose = poses[static_cast<std::size_t>(k)];
+      addBody(massOf(settings, k), std::make_unique<btBoxShape>(toBullet(scale * halfLengths(settings, k))), pose);
+    }
+  }
+  ~BulletTower() {
+    for (const auto& body : bodies) world.removeRigidBody(body.get());
+  }
+  BulletTower(const BulletTower&) = delete;
+  BulletTower& operator=(const BulletTower&) = delete;
+
+  void step(double dt) {
+    world.stepSimulation(dt, 0);
+    for (int k = 0; k < dispatcher.getNumManifolds(); ++k) {
+      contacts += static_cast<std::uint64_t>(dispatcher.getManifoldByIndexInternal(k)->getNumContacts());
+    }
+  }
+  std::vector<Pose> poses() const {
+    std::vector<Pose> out;
+    for (std::size_t k = 1; k < bodies.size(); ++k) {
+      const btTransform& at = bodies[k]->getWorldTransform();
+      const btQuaternion q = at.getRotation();
+      out.push_back({fromBullet(at.getOrigin()) / scale, Quat(q.w(), q.x(), q.y(), q.z())});
+    }
+    return out;
+  }
+  double kineticEnergy() const {
+    double sum = 0;
+    for (std::size_t k = 1; k < bodies.size(); ++k) {
+      const Vec3 v = fromBullet(bodies[k]->getLinearVelocity()) / scale,
+                 w = fromBullet(bodies[k]->getAngularVelocity());
+      const btMatrix3x3& inverse = bodies[k]->getInvInertiaTensorWorld();
+      const Vec3 spin = fromBullet(inverse.inverse() * bodies[k]->getAngularVelocity()) / (scale * scale);
+      sum += 0.5 * (massOf(settings, static_cast<int>(k) - 1) * v.squaredNorm() + w.dot(spin));
+    }
+    return sum;
+  }
+  double meanSpeed() const {
+    double sum = 0;
+    for (std::size_t k = 1; k < bodies.size(); ++k) sum += fromBullet(bodies[k]->getLinearVelocity()).norm() / scale;
+    return sum / settings.count;
+  }
+  /// Mean upward force of a step on each cuboid from what is below it, N.
+  std::vector<double> layerForces(double dt) {
+    std::vector<double> force(static_cast<std::size_t>(settings.count), 0.0);
+    for (int k = 0; k < dispatcher.getNumManifolds(); ++k) {
+      const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(k);
+      const int a = manifold.getBody0()->getUserIndex(), b = manifold.getBody1()->getUserIndex();
+      for (int c = 0; c < manifold.getNumContacts(); ++c) {
+        const btManifoldPoint& point = manifold.getContactPoint(c);
+        // The normal points from body 1 to body 0.
+        const double onA = point.m_appliedImpulse * point.m_normalWorldOnB.z() / (scale * dt);
+        const int upper = std::max(a, b);
+        if (upper > 0) force[static_cast<std::size_t>(upper - 1)] += a > b ? onA : -onA;
+      }
+    }
+    return force;
+  }
+  std::uint64_t contactSteps() const { return contacts; }
+
+ private:
+  void addBody(double mass, std::unique_ptr<btCollisionShape> shape, const Pose& pose) {
+    btVector3 inertia(0, 0, 0);
+    if (mass > 0) shape->calculateLocalInertia(mass, inertia);
+    btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape.get(), inertia);
+    info.m_startWorldTransform.setOrigin(toBullet(scale * pose.x));
+    info.m_startWorldTransform.setRotation({pose.q.x(), pose.q.y(), pose.q.z(), pose.q.w()});
+    // Bullet multiplies the two bodies' values.
+    info.m_friction = std::sqrt(settings.contact.friction);
+    info.m_restitution = std::sqrt(settings.contact.restitution);
+    auto body = std::make_unique<btRigidBody>(info);
+    body->setActivationState(DISABLE_DEACTIVATION);
+    body->setUserIndex(static_cast<int>(bodies.size()));
+    world.addRigidBody(body.get());
+    shapes.push_back(std::move(shape));
+    bodies.push_back(std::move(body));
+  }
+
+  const StackSettings& settings;
+  const double scale;
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadPhase;
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld world;
+  std::vector<std::unique_ptr<btCollisionShape>> shapes;
+  std::vector<std::unique_ptr<btRigidBody>> bodies;
+  std::uint64_t contacts = 0;
+};
+
+}  // namespace
+
+StackResult runBulletStack(const StackSettings& settings, const std::function<bool(const StackSample&)>& watch) {
+  checkStack(settings);
+  require(settings.step > 0, "dt = 0: Bullet needs a time step");
+  const std::vector<Pose> placed = placeStack(settings);
+  BulletTower tower(settings, placed);
+  const double dt = settings.step;
+  const auto steps = static_cast<std::int64_t>(std::ceil(settings.time / dt));
+  const std::int64_t perSample = std::max<std::int64_t>(1, std::llround(settings.sampleEvery / dt));
+  StackWatch watcher(settings, placed);
+  const auto began = std::chrono::steady_clock::now();
+  std::int64_t k = 0;
+  for (bool goOn = true; goOn && k < steps && !watcher.fallen();) {
+    tower.step(dt);
+    ++k;
+    watcher.note(tower.kineticEnergy(), tower.meanSpeed());
+    if (k % perSample != 0 && k != steps) continue;
+    const StackSample& sample = watcher.sample(static_cast<double>(k) * dt, tower.poses(), tower.layerForces(dt));
+    goOn = !watch || watch(sample);
+  }
+  StackResult result = watcher.finish(static_cast<double>(k) * dt);
+  result.wallTime = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  result.step = dt;
+  result.steps = k;
+  if (tower.contactSteps() > 0) result.nsPerContact = 1e9 * result.wallTime / static_cast<double>(tower.contactSteps());
+  result.poses = tower.poses();
+  return result;
+}
+
+}  // namespace granular
