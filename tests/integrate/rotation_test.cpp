@@ -1,75 +1,15 @@
 // Order of the rotation schemes on motions known exactly.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <functional>
 
 #include "granular/core/errors.h"
 #include "granular/integrate/integrator.h"
 #include "granular/integrate/small_rotation.h"
+#include "integrate/exact_tops.h"
 
 namespace granular {
 namespace {
-
-/// Jacobi's sn, cn, dn by descending Landen transformations (AGM), m = k^2 in (0, 1).
-std::array<double, 3> findJacobi(double u, double m) {
-  std::array<double, 16> a{}, c{};
-  a[0] = 1;
-  c[0] = std::sqrt(m);
-  double b = std::sqrt(1 - m);
-  int n = 0;
-  while (c[n] > 1e-17 && n < 15) {
-    a[n + 1] = 0.5 * (a[n] + b);
-    c[n + 1] = 0.5 * (a[n] - b);
-    b = std::sqrt(a[n] * b);
-    ++n;
-  }
-  double phi = std::ldexp(a[n] * u, n);
-  for (; n > 0; --n) phi = 0.5 * (phi + std::asin(c[n] / a[n] * std::sin(phi)));
-  const double sn = std::sin(phi);
-  return {sn, std::cos(phi), std::sqrt(1 - m * sn * sn)};
-}
-
-/// The torque-free asymmetric top with I1 < I2 < I3 and L^2 > 2 E I2: w3 never vanishes.
-/// L points along world z; orientation by the angles phi (about z), theta, psi of the zxz convention.
-struct FreeTop {
-  Vec3 inertia{1.0, 2.0, 3.0};
-  Vec3 amplitude;
-  double rate = 0, m = 0, momentum = 0;
-
-  FreeTop(double w1, double w3) {
-    const double i1 = inertia.x(), i2 = inertia.y(), i3 = inertia.z();
-    // At t = 0: w = (w1, 0, w3).
-    const double energy2 = i1 * w1 * w1 + i3 * w3 * w3, square = i1 * i1 * w1 * w1 + i3 * i3 * w3 * w3;
-    momentum = std::sqrt(square);
-    rate = std::sqrt((i3 - i2) * (square - energy2 * i1) / (i1 * i2 * i3));
-    m = (i2 - i1) * (energy2 * i3 - square) / ((i3 - i2) * (square - energy2 * i1));
-    amplitude = Vec3(w1, std::sqrt((energy2 * i3 - square) / (i2 * (i3 - i2))), w3);
-  }
-  Vec3 velocityBody(double t) const {
-    const auto [sn, cn, dn] = findJacobi(rate * t, m);
-    // w1 ~ cn, w2 ~ sn, w3 ~ dn; Euler: I2 w2' = (I3 - I1) w3 w1 > 0 at t = 0.
-    return {amplitude.x() * cn, amplitude.y() * sn, amplitude.z() * dn};
-  }
-  double precession(double t) const {
-    const Vec3 l = inertia.cwiseProduct(velocityBody(t)), w = velocityBody(t);
-    return momentum * (l.x() * w.x() + l.y() * w.y()) / (l.x() * l.x() + l.y() * l.y());
-  }
-  Quat orientation(double t) const {
-    // phi by Gauss-Legendre with three points on many intervals: exact to round-off for this smooth function.
-    const int intervals = 4000;
-    const double h = t / intervals;
-    double phi = 0;
-    for (int i = 0; i < intervals; ++i) {
-      const double middle = (i + 0.5) * h, off = 0.5 * h * std::sqrt(0.6);
-      phi += h / 18 * (5 * precession(middle - off) + 8 * precession(middle) + 5 * precession(middle + off));
-    }
-    const Vec3 l = inertia.cwiseProduct(velocityBody(t));
-    const double theta = std::acos(l.z() / momentum), psi = std::atan2(l.x(), l.y());
-    return Quat(Eigen::AngleAxisd(phi, Vec3::UnitZ()) * Eigen::AngleAxisd(theta, Vec3::UnitX()) *
-                Eigen::AngleAxisd(psi, Vec3::UnitZ()));
-  }
-};
 
 using Torque = std::function<Vec3(const Quat&, const Vec3&)>;  // world axes, from q and w (world)
 
@@ -157,20 +97,10 @@ TEST_P(Schemes, AreOfSecondOrderOnTheFreeAsymmetricTop) {
 }
 
 TEST_P(Schemes, AreOfSecondOrderOnTheHeavySymmetricTop) {
-  // Steady precession at tilt theta: I3 w3 W - I1 W^2 cos(theta) = m g l; phi = W t, psi = (w3 - W cos(theta)) t.
-  const Vec3 inertia(1.5, 1.5, 0.7);
-  const double theta = 0.6, precession = 0.9, w3 = 6;
-  const double weight = inertia.z() * w3 * precession - inertia.x() * precession * precession * std::cos(theta);
-  const auto exact = [&](double t) {
-    const Quat q(Eigen::AngleAxisd(precession * t, Vec3::UnitZ()) * Eigen::AngleAxisd(theta, Vec3::UnitX()) *
-                 Eigen::AngleAxisd((w3 - precession * std::cos(theta)) * t, Vec3::UnitZ()));
-    const Vec3 axis = q * Vec3::UnitZ();
-    return State{q, precession * Vec3::UnitZ() + (w3 - precession * std::cos(theta)) * axis};
-  };
-  const Torque torque = [&](const Quat& q, const Vec3&) {
-    return Vec3((q * Vec3::UnitZ()).cross(-weight * Vec3::UnitZ()));
-  };
-  expectOrderTwo(inertia, exact(0), torque, exact(4), 4, 2000);
+  const HeavyTop top;
+  const Torque torque = [&](const Quat& q, const Vec3&) { return top.torque(q); };
+  const auto exact = [&](double t) { return State{top.orientation(t), top.velocity(t)}; };
+  expectOrderTwo(top.inertia, exact(0), torque, exact(4), 4, 2000);
 }
 
 TEST_P(Schemes, AreOfSecondOrderUnderADampingTorque) {
