@@ -39,11 +39,13 @@ std::vector<granular::CollisionPair> listPairs(const std::vector<std::string>& n
 std::vector<granular::CollisionRow> listRows(const Options& options) {
   std::vector<std::string> ensembles;
   for (const granular::VelocityEnsemble& each : granular::velocityEnsembles()) ensembles.emplace_back(each.name);
+  std::vector<std::string> rules;
+  for (int k = 0; k <= static_cast<int>(granular::PointRule::foundation); ++k)
+    rules.emplace_back(granular::pointRuleName(static_cast<granular::PointRule>(k)));
   std::vector<granular::CollisionRow> rows;
   for (const std::string& ensemble : expand(options.ensembles, ensembles)) {
     for (const std::string& law : expand(options.laws, {"linear", "linear_local", "tensor"})) {
-      for (const std::string& rule :
-           expand(options.rules, {"witness", "manifold", "face_centroid", "pressure_centroid", "patch"})) {
+      for (const std::string& rule : expand(options.rules, rules)) {
         for (const double stiffness : options.stiffness) {
           for (const double steps : options.steps) {
             for (const granular::CollisionPair& pair : listPairs(options.pairs)) {
@@ -103,7 +105,8 @@ int main(int argc, char** argv) {
   app.add_option("--pair", options.pairs, "pairs such as cube-sphere, or all")->delimiter(',')->capture_default_str();
   app.add_option("--samples", options.common.samples, "collisions of each pair")->capture_default_str();
   app.add_option("--rule", options.rules,
-                 "contact-point rules: witness, manifold, face_centroid, pressure_centroid, patch, or all")
+                 "contact-point rules: witness, manifold, face_centroid, pressure_centroid, patch, stiff_patch, "
+                 "foundation, or all")
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--slab", options.common.rule.slab, "slab of face_centroid, as a fraction of the overlap")

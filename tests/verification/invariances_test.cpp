@@ -167,7 +167,7 @@ TEST(Invariances, MomentumIsConservedToRoundOff) {
   EXPECT_GT(world->report.contactSteps, 100u);
   double scale = 0;
   for (std::size_t i = 0; i < world->bodies.size(); ++i) scale += world->bodies.mass[i] * .3;
-  verifyBelow('i', "momentum of six colliding bodies: |change| / scale", 1e-12, (momentum() - before).norm() / scale,
+  verifyBelow('i', "momentum of six colliding bodies: change / scale", 1e-12, (momentum() - before).norm() / scale,
               "opposite forces: round-off of 5000 steps");
 }
 

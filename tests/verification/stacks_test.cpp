@@ -82,7 +82,7 @@ TEST(Stacks, EachInterfaceCarriesTheWeightAbove) {
     auto world = makeTower(blocks, {1e6, .3, .3, .5});
     runFor(*world, stepOf(*world, .1), c.offset > 1e-6 ? .2 : .005);
     const bool rocked = c.offset > 1e-6;
-    verifyBelow('e', fmt::format("six cubes, {}: worst |F/(weight above) - 1|", c.name), rocked ? 1e-4 : 1e-6,
+    verifyBelow('e', fmt::format("six cubes, {}: worst error of F/(weight above)", c.name), rocked ? 1e-4 : 1e-6,
                 worstForceError(*world),
                 rocked ? "statics; what still rocks after .2 s" : "statics, from a static start");
     double lateral = 0;
