@@ -1,6 +1,7 @@
 #include "granular/point/overlap.h"
 
 #include "granular/point/clip.h"
+#include "granular/point/corner_overlap.h"
 
 namespace granular {
 namespace {
@@ -45,14 +46,17 @@ double findMiddle(const Cells& cells, const Vec2& x) {
   return 0.5 * (top + bottom);
 }
 
+/// Faces within this part of the overlap of the deepest place count as deepest, and the flattest of them is taken.
+constexpr double startSlack = 1e-3;
+
 /// Flat faces on both sides: all cells, from the deepest place outwards.
 class FaceWalk {
  public:
-  FaceWalk(const SurfaceSide& sideA, const SurfaceSide& sideB, const PowerChoice& choice)
-      : a(sideA), b(sideB), power(choice) {}
+  FaceWalk(const SurfaceSide& sideA, const SurfaceSide& sideB, const PowerChoice& choice, double narrowestStrip)
+      : a(sideA), b(sideB), power(choice), narrowest(narrowestStrip) {}
 
   void measure(double overlap, OverlapArea& out) {
-    const std::int32_t startA = a.findStartFace(1e-3 * overlap), startB = b.findStartFace(1e-3 * overlap);
+    const std::int32_t startA = a.findStartFace(startSlack * overlap), startB = b.findStartFace(startSlack * overlap);
     if (startA >= 0 && startB >= 0) {
       cells.add({startA, startB, a.findHeight(startA), b.findHeight(startB)});
       walk(out);
@@ -122,12 +126,9 @@ class FaceWalk {
     cells.add(next);
   }
 
-  /// Strips beyond an edge that hold less than this part of the first cell are not looked at: they move the point by
-  /// less than a thousandth of the patch.
-  static constexpr double narrowest = 2e-3;
-
   const SurfaceSide &a, &b;
   const PowerChoice power;
+  const double narrowest;
   Cells cells;
   Polygon region, under;
   double least = 0;
@@ -161,6 +162,10 @@ void measureStrip(const SurfaceSide& a, const SurfaceSide& b, double width, cons
   if (out.moments.volume > 0) out.height = findMiddle(cells, out.moments.centroidOfVolume());
 }
 
+/// Strips beyond an edge that hold less than this part of the first cell are not looked at: they move the point by less
+/// than a thousandth of the patch.
+constexpr double narrowestStrip = 2e-3;
+
 bool isCurved(const Shape& shape) { return shape.kind() == ShapeKind::sphere || shape.kind() == ShapeKind::ellipsoid; }
 
 }  // namespace
@@ -172,10 +177,20 @@ bool measureOverlap(const ContactPlane& plane, const Shape& a, const Frame& fram
   if (sideA.dimension() == 1 || sideB.dimension() == 1) return false;
   out = OverlapArea{};
   if (sideA.dimension() == 3 && sideB.dimension() == 3) {
-    FaceWalk(sideA, sideB, power).measure(overlap, out);
+    if (measureCorner(sideA, sideB, overlap, startSlack * overlap, power, out)) return true;
+    out = OverlapArea{};
+    FaceWalk(sideA, sideB, power, narrowestStrip).measure(overlap, out);
   } else {
     measureStrip(sideA, sideB, overlap, power, out);
   }
+  return out.moments.volume > 0 && out.moments.area > 0;
+}
+
+bool measureByWalk(const ContactPlane& plane, const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB,
+                   double overlap, const PowerChoice& power, double narrowest, OverlapArea& out) {
+  const SurfaceSide sideA(plane, a, frameA, 1), sideB(plane, b, frameB, -1);
+  out = OverlapArea{};
+  FaceWalk(sideA, sideB, power, narrowest).measure(overlap, out);
   return out.moments.volume > 0 && out.moments.area > 0;
 }
 

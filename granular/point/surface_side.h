@@ -52,13 +52,19 @@ class SurfaceSide {
   /// Dimension 2 alone.
   const Segment& segment() const { return line; }
 
- private:
-  void showFeature(const Shape& shape);
-
+  /// Polyhedra alone: the tables (null for others), the deepest vertex, and points in body axes seen in the contact
+  /// plane, in it and over it.
+  const PolyhedronTables* polyhedron() const { return tables; }
+  std::int32_t deepestVertex() const { return deepest; }
   Vec2 projectPoint(const Vec3& p) const {
     const Vec3 from = p - origin;
     return {u.dot(from), v.dot(from)};
   }
+  double heightOf(const Vec3& p) const { return normal.dot(p - origin); }
+
+ private:
+  void showFeature(const Shape& shape);
+
   /// The plane faceNormal . p = offset (body axes) as a height over the contact plane.
   Linear findPlaneHeight(const Vec3& faceNormal, double offset) const {
     const double inverse = 1 / normal.dot(faceNormal);
