@@ -123,19 +123,19 @@ TEST(Invariances, UnitsPlaceAxesAndNumbersDoNotMatter) {
           "same rebound; edges of round features are sampled alike");
 }
 
-TEST(Invariances, ShapesOfTheGenericKernelFollowToTheCertificatesPrecision) {
-  // Cylinders and cones are searched until both bounds of the overlap agree to 1e-9; the normal is then known to the
-  // root of that, 3e-5, and so are velocities after a collision.
+TEST(Invariances, CylinderAndConeDeviateByMoreThanRoundOffButLittle) {
+  // With cylinder and cone among the bodies the deviation is some 1e-6, not round-off. Their touches are searched to a
+  // certificate of 1e-9 and no further, which may be why; that is not established. The limit guards what was measured.
   Layout layout;
   layout.generic = true;
   const std::vector<double> reference = trace(layout, runLength);
   layout.scale = 1e3;
-  verifyBelow('i', "with cylinder and cone, lengths in mm: largest deviation / size", 1e-3,
-              largestDifference(reference, trace(layout, runLength)), "certificate of 1e-9: normals to 3e-5, grown");
+  verifyBelow('i', "with cylinder and cone, lengths in mm: largest deviation / size", 1e-4,
+              largestDifference(reference, trace(layout, runLength)), "not derived: a guard above what was measured");
   layout.scale = 1;
   layout.turn = Quat(Eigen::AngleAxisd(1.1, Vec3(1, 2, -.5).normalized()));
-  verifyBelow('i', "with cylinder and cone, scene turned: largest deviation / size", 1e-3,
-              largestDifference(reference, trace(layout, runLength)), "certificate of 1e-9: normals to 3e-5, grown");
+  verifyBelow('i', "with cylinder and cone, scene turned: largest deviation / size", 1e-4,
+              largestDifference(reference, trace(layout, runLength)), "not derived: a guard above what was measured");
 }
 
 TEST(Invariances, ThreadsDoNotMatter) {
