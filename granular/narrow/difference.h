@@ -65,6 +65,12 @@ class Difference {
   /// Largest length that enters a support point: its round-off is this times the machine precision.
   double extent() const { return a.boundingRadius() + b.boundingRadius() + relative.x.norm(); }
 
+  /// Vertices to begin the search of polyhedra from.
+  void seed(std::int32_t vertexA, std::int32_t vertexB) {
+    seedA = vertexA;
+    seedB = vertexB;
+  }
+
   /// The point of C furthest along d (any length > 0).
   SupportPoint support(const Vec3& d) {
     SupportPoint p;

@@ -1,13 +1,12 @@
-// Any two convex shapes, by their support functions alone. Warm: the last separating direction, or a descent from the
-// last normal. Cold: GJK for the separated, Bullet's GJK/EPA for the touching, both bounds for whatever it says, and a
-// second route where it fails.
+// Any two convex shapes. Warm: the last separating direction, or Newton's method on the normal between the pieces that
+// touched last, or a descent from the last normal. Cold, by support functions alone: GJK for the separated, Bullet's
+// GJK/EPA for the touching, both bounds for whatever it says, and a second route where it fails.
 #include "granular/core/tolerances.h"
 #include "granular/narrow/epa.h"
 #include "granular/narrow/gjk.h"
+#include "granular/narrow/global_proof.h"
 #include "granular/narrow/kernels.h"
-#include "granular/narrow/polyhedron_features.h"
 #include "granular/narrow/round_features.h"
-#include "granular/shape/ellipsoid.h"
 
 namespace granular {
 namespace {
@@ -21,14 +20,6 @@ constexpr double flatProposalError = 1e-6;
 /// more.
 constexpr double proposalError = 1e-3;
 
-/// Radius of a ball that rolls freely inside: an ellipsoid's least curvature radius (Blaschke), a sphere's own.
-double rollingRadius(const Shape& shape) {
-  if (shape.kind() == ShapeKind::sphere) return shape.boundingRadius();
-  if (shape.kind() != ShapeKind::ellipsoid) return 0;
-  const Vec3& axes = static_cast<const Ellipsoid&>(shape).semiAxes();
-  return axes.minCoeff() * axes.minCoeff() / axes.maxCoeff();
-}
-
 /// Polishes the proposal if it is consistent with itself; otherwise there is none.
 bool takeProposal(Difference& c, const PenetrationAnswer& proposal, LocalMinimum& best, double& proposed) {
   proposed = infinity;
@@ -41,58 +32,38 @@ bool takeProposal(Difference& c, const PenetrationAnswer& proposal, LocalMinimum
   return true;
 }
 
-/// Around a minimum that the descent has found no other is looked for within 10 degrees.
-constexpr double grantedCosine = 0.98480775301220806, grantedSine = 0.17364817766693036;
+/// How near (radians) a direction must be to a face or a line to be named after it: a descent leaves some 1e-8.
+constexpr double namedNearness = 1e-5;
 
-/// True if no direction outside the granted cone around a local minimum can be shallower. The points of C that support
-/// a ring of directions around the normal span sectors; the edge of each, by its distance from the origin's foot and
-/// the lower of its two heights, covers its directions from the cone to beyond the equator, and the ball of isGlobal
-/// the rest.
-bool isGlobalByFan(Difference& c, const LocalMinimum& m) {
-  constexpr std::size_t ring = 8;
-  constexpr double tilt = 0.07;  // tan 4 degrees
-  constexpr double half = 0.70710678118654752;
-  constexpr std::array<std::array<double, 2>, ring> azimuths{
-      {{1, 0}, {half, half}, {0, 1}, {-half, half}, {-1, 0}, {-half, -half}, {0, -1}, {half, -half}}};
-  const Vec3 u = perpendicular(m.normal), v = m.normal.cross(u);
-  std::array<Vec2, ring> foot;
-  std::array<double, ring> height;
-  for (std::size_t k = 0; k < ring; ++k) {
-    const Vec3 w = c.support(m.normal + tilt * (azimuths[k][0] * u + azimuths[k][1] * v)).w;
-    foot[k] = {w.dot(u), w.dot(v)};
-    height[k] = w.dot(m.normal);
+/// The minimum that the two pieces make next to the direction n; where they are a face that does not hold, its rim.
+PieceMinimum findNamedMinimum(const PairView& pair, Difference& c, const PieceName& a, const PieceName& b,
+                              const Vec3& n) {
+  PieceMinimum out = findPieceMinimum(c, a, b, n);
+  for (std::int32_t k = 0; !out.holds; ++k) {
+    const PieceName rimA = rimOf(pair.a, a, k), rimB = rimOf(pair.b, b, k);
+    if (rimA.kind == PieceName::unknown && rimB.kind == PieceName::unknown) break;
+    if (rimA.kind != PieceName::unknown) out = findPieceMinimum(c, rimA, b, n);
+    if (!out.holds && rimB.kind != PieceName::unknown) out = findPieceMinimum(c, a, rimB, n);
   }
-  double radius = infinity;
-  for (std::size_t k = 0; k < ring; ++k) {
-    const std::size_t next = (k + 1) % ring;
-    const double side = (foot[next] - foot[k]).norm();
-    if (!(side > 0)) continue;
-    const double reach = (foot[k].x() * foot[next].y() - foot[k].y() * foot[next].x()) / side;
-    if (!(std::min(height[k], height[next]) * grantedCosine + reach * grantedSine >= m.depth)) return false;
-    radius = std::min(radius, reach);
-  }
-  const double inner = c.shapeA().innerRadius() + c.shapeB().innerRadius();
-  return radius < infinity && isGlobal(m.normal, m.depth, radius, c.frame().x, inner);
+  return out;
 }
 
-/// The same by an inscribed polytope, for minima near the rim of a small facet or far from the line of centres.
-bool isGlobalByPolytope(Difference& c, const LocalMinimum& m) {
-  const GrantedCone cone{m.normal, grantedCosine, grantedSine};
-  const DepthBounds bounds = boundOverlap(c, m.normal, m.depth, 0, &cone);
-  return bounds.met && bounds.upper >= m.depth - tolerance::certificate * c.size();
-}
-
-/// The proofs, the cheapest first. A ball that rolls inside either shape is tangent to C below any minimum, and holds
-/// the origin while its radius is at least the overlap.
-bool isGlobalMinimum(const PairView& pair, Difference& c, const LocalMinimum& m, double margin) {
-  if (m.depth <= rollingRadius(pair.a) + rollingRadius(pair.b)) return true;
-  const double inner = pair.a.innerRadius() + pair.b.innerRadius();
-  return isGlobal(m.normal, m.depth, margin, c.frame().x, inner) || isGlobalByFan(c, m) || isGlobalByPolytope(c, m);
+/// Reports a minimum found by support functions, with the pieces that make it, for the next look. They give it to
+/// round-off, which a search stops short of where surfaces are long or nearly parallel.
+bool reportNamed(const PairView& pair, Difference& c, const LocalMinimum& found, WarmCache& cache, NarrowCounts& counts,
+                 Touch& touch) {
+  const PieceName a = namePiece(pair.a, found.normal, namedNearness);
+  const PieceName b = namePiece(pair.b, -c.frame().unrotate(found.normal), namedNearness);
+  const PieceMinimum exact = findNamedMinimum(pair, c, a, b, found.normal);
+  const bool better = exact.holds && exact.minimum.depth > 0 && exact.minimum.depth <= found.depth;
+  cache.featureA = encode(better ? exact.a : a);
+  cache.featureB = encode(better ? exact.b : b);
+  return reportTouch(pair, WarmCache::smooth, better ? exact.minimum : found, cache, counts, touch);
 }
 
 /// With a shape that a ball rolls around inside, the overlap is the layers taken off less the distance of what is left:
 /// one GJK distance, global by its own proof. False while the cores are so near that the direction would lose digits.
-bool touchByCores(const PairView& pair, const Difference& c, WarmCache& cache, NarrowCounts& counts, Touch& touch,
+bool touchByCores(const PairView& pair, Difference& c, WarmCache& cache, NarrowCounts& counts, Touch& touch,
                   bool& touches) {
   const double layerA = rollingRadius(pair.a), layerB = rollingRadius(pair.b);
   if (!(layerA + layerB > 0)) return false;
@@ -112,7 +83,15 @@ bool touchByCores(const PairView& pair, const Difference& c, WarmCache& cache, N
   }
   const Vec3 middle = 0.5 * (nearest.onA + layerA * n + nearest.onB - layerB * n);
   const LocalMinimum found{n, overlap, middle + 0.5 * overlap * n, middle - 0.5 * overlap * n};
-  return reportTouch(pair, WarmCache::smooth, found, cache, counts, touch);
+  return reportNamed(pair, c, found, cache, counts, touch);
+}
+
+/// The minimum that the last pieces make, if they still make one.
+PieceMinimum findLastPieces(const PairView& pair, Difference& c, const WarmCache& cache) {
+  if (cache.featureA == 0 || cache.featureB == 0) return {};
+  const PieceName a = decodePiece(cache.featureA), b = decodePiece(cache.featureB);
+  c.seed(vertexOf(pair.a, a), vertexOf(pair.b, b));
+  return findPieceMinimum(c, a, b, cache.direction);
 }
 
 }  // namespace
@@ -170,22 +149,30 @@ bool touchConvex(const PairView& pair, WarmCache& cache, NarrowCounts& counts, T
     }
   }
 
-  // Warm and touching: a face or a side next to the last normal.
+  // Warm and touching: the pieces that touched last.
   const bool warm = cache.touched && !pair.searchAlways;
-  RoundFeature feature;
-  if (warm) feature = findRoundFeature(c, cache.direction);
+  PieceMinimum nearby;
+  if (warm) nearby = findLastPieces(pair, c, cache);
+  const bool byPieces = nearby.holds;
+
+  // Or a face or a side next to the last normal.
+  if (warm && !byPieces) nearby = findRoundFeature(c, cache.direction);
 
   // Rounded shapes: a distance between cores, warm or cold.
   bool touches = false;
-  if (!feature.holds && touchByCores(pair, c, cache, counts, touch, touches)) return touches;
+  if (!nearby.holds && touchByCores(pair, c, cache, counts, touch, touches)) return touches;
 
-  // Warm and touching: the minimum next to the last normal, if nothing away from it can be shallower.
+  // Warm and touching: any minimum next to the last normal. It stands if nothing away from it can be shallower.
   if (warm) {
-    const LocalMinimum local = feature.holds ? feature.minimum : descend(c, cache.direction);
+    if (!nearby.holds) nearby.minimum = descend(c, cache.direction);
+    const LocalMinimum& local = nearby.minimum;
     const bool apart = !(local.depth > 0);
-    if (apart || isGlobalMinimum(pair, c, local, feature.margin)) {
+    if (apart || isGlobalMinimum(pair, c, local, nearby.margin, cache)) {
       ++counts.warm;
       if (apart) return reportApart(local.normal, -local.depth, cache);
+      if (!byPieces) return reportNamed(pair, c, local, cache, counts, touch);
+      cache.featureA = encode(nearby.a);
+      cache.featureB = encode(nearby.b);
       return reportTouch(pair, WarmCache::smooth, local, cache, counts, touch);
     }
   }
@@ -201,7 +188,7 @@ bool touchConvex(const PairView& pair, WarmCache& cache, NarrowCounts& counts, T
   if (!cache.touched) proposal = askBullet(c, guess);
   const SearchResult found = searchConvex(c, guess, cache.touched ? nullptr : &proposal, counts);
   if (found.apart) return reportApart(found.minimum.normal, -found.minimum.depth, cache);
-  return reportTouch(pair, WarmCache::smooth, found.minimum, cache, counts, touch);
+  return reportNamed(pair, c, found.minimum, cache, counts, touch);
 }
 
 }  // namespace granular

@@ -3,18 +3,12 @@
 // the segment of its axis with a layer of its radius.
 #pragma once
 
-#include "granular/narrow/descent.h"
+#include "granular/narrow/newton.h"
 
 namespace granular {
 
-/// A local minimum next to the last normal (unit, A's body axes), if it is one of those above.
-struct RoundFeature {
-  bool holds = false;
-  LocalMinimum minimum;  ///< A's body axes
-  double margin = 0;     ///< distance of the origin's foot from the rim of C's flat facet; 0 on curved ones
-};
-
-/// Looks for a flat face of either body across the last normal, then for cylinders lying along it.
-RoundFeature findRoundFeature(Difference& c, const Vec3& last);
+/// A local minimum next to the last normal (unit, A's body axes), if it is one of those above; its pieces are not
+/// named. Looks for a flat face of either body across the last normal, then for cylinders lying along it.
+PieceMinimum findRoundFeature(Difference& c, const Vec3& last);
 
 }  // namespace granular

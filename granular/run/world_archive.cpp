@@ -11,6 +11,13 @@ struct Element<BodyState> {
   static constexpr std::uint64_t width = 1;
 };
 
+/// As bytes: single-precision numbers.
+template <>
+struct Element<KeptProof> {
+  static constexpr ElementType type = ElementType::uint8;
+  static constexpr std::uint64_t width = sizeof(KeptProof);
+};
+
 namespace {
 
 /// A column made of one field of every row; field(row) returns a reference. Rows must have their final number.
@@ -158,6 +165,7 @@ void visitPairs(Archive& archive, PairList& list) {
     archive.visitMember("touched", memory.cache, &WarmCache::touched);
     archive.visitMember("direction", memory.cache, &WarmCache::direction);
     archive.visitMember("budget", memory.cache, &WarmCache::budget, {"m", ""});
+    archive.visitMember("proof", memory.cache, &WarmCache::proof, {"", "proof kept from an earlier step, float32"});
     archive.visit("free", memory.free);
     archive.inGroup("held", [&] { visitContacts(archive, memory.held); });
     archive.inGroup("manifolds", [&] { visitManifolds(archive, memory.manifolds); });
