@@ -20,6 +20,32 @@ constexpr double flatProposalError = 1e-6;
 /// more.
 constexpr double proposalError = 1e-3;
 
+/// How near (radians) a direction must be to a face or a line to be named after it: a descent leaves some 1e-8.
+constexpr double namedNearness = 1e-5;
+
+/// The same for a guess, such as the direction of a gap, which is only good to the precision asked for.
+constexpr double guessNearness = 0.05;
+
+/// The minimum that the two pieces make next to the direction n; where they are a face that does not hold, its rim.
+PieceMinimum findNamedMinimum(Difference& c, const PieceName& a, const PieceName& b, const Vec3& n) {
+  PieceMinimum out = findPieceMinimum(c, a, b, n);
+  for (std::int32_t k = 0; !out.holds; ++k) {
+    const PieceName rimA = rimOf(c.shapeA(), a, k), rimB = rimOf(c.shapeB(), b, k);
+    if (rimA.kind == PieceName::unknown && rimB.kind == PieceName::unknown) break;
+    if (rimA.kind != PieceName::unknown) out = findPieceMinimum(c, rimA, b, n);
+    if (!out.holds && rimB.kind != PieceName::unknown) out = findPieceMinimum(c, a, rimB, n);
+  }
+  return out;
+}
+
+/// The local minimum next to a guess: of the pieces that support it there, else by descent.
+LocalMinimum settle(Difference& c, const Vec3& n) {
+  const PieceName a = namePiece(c.shapeA(), n, guessNearness);
+  const PieceName b = namePiece(c.shapeB(), -c.frame().unrotate(n), guessNearness);
+  const PieceMinimum found = findNamedMinimum(c, a, b, n);
+  return found.holds && found.minimum.depth <= c.depth(n) ? found.minimum : descend(c, n);
+}
+
 /// Polishes the proposal if it is consistent with itself; otherwise there is none.
 bool takeProposal(Difference& c, const PenetrationAnswer& proposal, LocalMinimum& best, double& proposed) {
   proposed = infinity;
@@ -28,24 +54,8 @@ bool takeProposal(Difference& c, const PenetrationAnswer& proposal, LocalMinimum
   const double along = c.depth(proposal.normal), against = c.depth(-proposal.normal);
   proposed = std::min(along, against);
   if (std::abs(proposed - proposal.overlap) > proposalError * c.size()) return false;
-  best = descend(c, along <= against ? proposal.normal : -proposal.normal);
+  best = settle(c, along <= against ? proposal.normal : -proposal.normal);
   return true;
-}
-
-/// How near (radians) a direction must be to a face or a line to be named after it: a descent leaves some 1e-8.
-constexpr double namedNearness = 1e-5;
-
-/// The minimum that the two pieces make next to the direction n; where they are a face that does not hold, its rim.
-PieceMinimum findNamedMinimum(const PairView& pair, Difference& c, const PieceName& a, const PieceName& b,
-                              const Vec3& n) {
-  PieceMinimum out = findPieceMinimum(c, a, b, n);
-  for (std::int32_t k = 0; !out.holds; ++k) {
-    const PieceName rimA = rimOf(pair.a, a, k), rimB = rimOf(pair.b, b, k);
-    if (rimA.kind == PieceName::unknown && rimB.kind == PieceName::unknown) break;
-    if (rimA.kind != PieceName::unknown) out = findPieceMinimum(c, rimA, b, n);
-    if (!out.holds && rimB.kind != PieceName::unknown) out = findPieceMinimum(c, a, rimB, n);
-  }
-  return out;
 }
 
 /// Reports a minimum found by support functions, with the pieces that make it, for the next look. They give it to
@@ -54,11 +64,23 @@ bool reportNamed(const PairView& pair, Difference& c, const LocalMinimum& found,
                  Touch& touch) {
   const PieceName a = namePiece(pair.a, found.normal, namedNearness);
   const PieceName b = namePiece(pair.b, -c.frame().unrotate(found.normal), namedNearness);
-  const PieceMinimum exact = findNamedMinimum(pair, c, a, b, found.normal);
+  const PieceMinimum exact = findNamedMinimum(c, a, b, found.normal);
   const bool better = exact.holds && exact.minimum.depth > 0 && exact.minimum.depth <= found.depth;
   cache.featureA = encode(better ? exact.a : a);
   cache.featureB = encode(better ? exact.b : b);
   return reportTouch(pair, WarmCache::smooth, better ? exact.minimum : found, cache, counts, touch);
+}
+
+/// Reports a separation with the pieces that are nearest to each other, which make the gap the widest.
+bool reportNamedApart(const PairView& pair, Difference& c, const Nearest& nearest, WarmCache& cache) {
+  const PieceName a = namePiece(pair.a, nearest.direction, guessNearness);
+  const PieceName b = namePiece(pair.b, -c.frame().unrotate(nearest.direction), guessNearness);
+  const PieceMinimum exact = findNamedMinimum(c, a, b, nearest.direction);
+  const bool wider = exact.holds && -exact.minimum.depth >= nearest.gap;
+  cache.featureA = encode(wider ? exact.a : PieceName{});
+  cache.featureB = encode(wider ? exact.b : PieceName{});
+  if (!wider) return reportApart(nearest.direction, nearest.gap, cache);
+  return reportApart(exact.minimum.normal, -exact.minimum.depth, cache);
 }
 
 /// With a shape that a ball rolls around inside, the overlap is the layers taken off less the distance of what is left:
@@ -114,7 +136,7 @@ SearchResult searchConvex(Difference& c, const Vec3& guess, const PenetrationAns
   // First route: the proposal, if any. Second: the descent from the guess.
   double proposed = infinity;
   const bool proposalStands = proposal && takeProposal(c, *proposal, out.minimum, proposed);
-  if (!proposalStands) out.minimum = descend(c, guess);
+  if (!proposalStands) out.minimum = settle(c, guess);
 
   // Both bounds. A better direction than the one at hand is polished, and the bounds are drawn again around it.
   bool certified = false;
@@ -123,7 +145,7 @@ SearchResult searchConvex(Difference& c, const Vec3& guess, const PenetrationAns
     const DepthBounds bounds = boundOverlap(c, out.minimum.normal, out.minimum.depth, tolerance);
     certified = bounds.met;
     if (!(bounds.upper < out.minimum.depth)) break;
-    const LocalMinimum polished = descend(c, bounds.normal);
+    const LocalMinimum polished = settle(c, bounds.normal);
     if (!(polished.depth < out.minimum.depth)) break;
     replaced = replaced || polished.depth < out.minimum.depth - tolerance;
     out.minimum = polished;
@@ -140,9 +162,20 @@ SearchResult searchConvex(Difference& c, const Vec3& guess, const PenetrationAns
 bool touchConvex(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch) {
   Difference c(pair.a, pair.frameA, pair.b, pair.frameB);
 
-  // Warm and apart: does the last direction still separate?
+  // Warm and apart: does the last direction still separate, or that between the nearest pieces?
+  bool met = false;
   if (cache.kind == WarmCache::apart && !pair.searchAlways) {
-    const double depth = c.depth(cache.direction);
+    double depth = c.depth(cache.direction);
+    if (!(depth < 0)) {
+      const PieceMinimum nearby = findLastPieces(pair, c, cache);
+      if (nearby.holds) {
+        depth = nearby.minimum.depth;
+        cache.direction = nearby.minimum.normal;
+        cache.featureA = encode(nearby.a);
+        cache.featureB = encode(nearby.b);
+        met = !(depth < 0);
+      }
+    }
     if (depth < 0) {
       ++counts.warm;
       return reportApart(cache.direction, -depth, cache);
@@ -164,24 +197,28 @@ bool touchConvex(const PairView& pair, WarmCache& cache, NarrowCounts& counts, T
 
   // Warm and touching: any minimum next to the last normal. It stands if nothing away from it can be shallower.
   if (warm) {
-    if (!nearby.holds) nearby.minimum = descend(c, cache.direction);
+    if (!nearby.holds) nearby.minimum = settle(c, cache.direction);
     const LocalMinimum& local = nearby.minimum;
     const bool apart = !(local.depth > 0);
     if (apart || isGlobalMinimum(pair, c, local, nearby.margin, cache)) {
       ++counts.warm;
+      if (!apart && !byPieces) return reportNamed(pair, c, local, cache, counts, touch);
+      if (byPieces) {
+        cache.featureA = encode(nearby.a);
+        cache.featureB = encode(nearby.b);
+      }
       if (apart) return reportApart(local.normal, -local.depth, cache);
-      if (!byPieces) return reportNamed(pair, c, local, cache, counts, touch);
-      cache.featureA = encode(nearby.a);
-      cache.featureB = encode(nearby.b);
       return reportTouch(pair, WarmCache::smooth, local, cache, counts, touch);
     }
   }
 
-  // Cold: a separating direction ends it.
+  // Cold: a separating direction ends it, unless the nearest pieces have just met.
   if (cache.kind == WarmCache::cold) ++counts.cold;
   const Vec3 guess = guessNormal(c, cache);
-  const Nearest nearest = findNearest(c, Vec3::Zero(), guess, separationPrecision);
-  if (nearest.gap > 0) return reportApart(nearest.direction, nearest.gap, cache);
+  if (!met) {
+    const Nearest nearest = findNearest(c, Vec3::Zero(), guess, separationPrecision);
+    if (nearest.gap > 0) return reportNamedApart(pair, c, nearest, cache);
+  }
 
   // A contact is born with Bullet's answer; a running one is searched from its own normal.
   PenetrationAnswer proposal;

@@ -67,8 +67,31 @@ bool solveFree(const Pieces& pieces, const Frame& frame, Vec3& n) {
   return false;
 }
 
+/// Where a cap lies nearly flat on a line, its rim turns a quarter round while n tilts by their angle: no last normal
+/// is near enough. With p the cap's normal laid across the line, t across both, n = p + s t and sigma the sine of the
+/// angle, the rim adds R sqrt(s^2 + sigma^2) to h, the rest is -q s but for the depth's share; so s = sigma q /
+/// sqrt(R^2 - q^2) at the minimum. n receives this direction where it is that near to the cap's normal.
+void startOnFlatCap(const Pieces& pieces, const Frame& frame, const Vec3& axis, Vec3& n) {
+  constexpr double flat = 0.03;
+  const bool rimOfA = pieces.a.name.kind == PieceName::rim;
+  const Piece &rim = rimOfA ? pieces.a : pieces.b, &line = rimOfA ? pieces.b : pieces.a;
+  if (rim.name.kind != PieceName::rim) return;
+  Vec3 cap = rimOfA ? Vec3(Vec3::UnitZ()) : Vec3(frame.R.col(2));
+  if (cap.dot(n) < 0) cap = -cap;
+  const double sigma = cap.dot(axis);
+  if (!(cap.dot(n) > 1 - 0.5 * flat * flat) || !(std::abs(sigma) < flat)) return;
+
+  const Vec3 across = (cap - sigma * axis).normalized(), side = across.cross(axis);
+  const Vec3 centre = rimOfA ? rim.first.middle : frame.toWorld(rim.first.middle);
+  const Vec3 onLine = rimOfA ? frame.toWorld(line.first.middle) : line.first.middle;
+  const double q = (rimOfA ? 1 : -1) * side.dot(onLine - centre), radius = rim.first.radius;
+  if (!(std::abs(q) < radius)) return;
+  n = (across + std::abs(sigma) * q / std::sqrt((radius - q) * (radius + q)) * side).normalized();
+}
+
 /// One line: Newton along the circle n . axis = level.
 bool solveOnCircle(const Pieces& pieces, const Frame& frame, const Vec3& axis, double level, Vec3& n) {
+  if (level == 0) startOnFlatCap(pieces, frame, axis, n);
   const double radius = std::sqrt(1 - level * level);
   Vec3 out = n - n.dot(axis) * axis;
   const double across = out.norm();
