@@ -48,7 +48,7 @@ int main() {
   }
 
   // Four tenths of a second, enough to come to rest, at half of the largest stable step.
-  const TimeStepBound bound = boundBeforeRun(kinds, materials, LawKind::linear, LawOptions{});
+  const TimeStepBound bound = boundBeforeRun(kinds, world.materials, world.options);
   const double dt = bound.bound / 2;
   std::printf("%s\n%zu grains, steps of %.3g s\n", bound.explanation.c_str(), world.bodies.size(), dt);
   startHalfSteps(world, dt, 0, false);
