@@ -21,8 +21,10 @@ constexpr double lastStep = 1e-8;
 /// Sine of the angle between two lines below which they have no common normal to speak of.
 constexpr double leastSine = 1e-7;
 
-/// How far rounding may leave the slope from 0, in units of that of a support point.
-constexpr double slack = 1e3;
+/// How far rounding may leave the slope from 0, in units of that of a support point; where the surface is flat, its
+/// radius of curvature takes the place of the bodies' size. The depth is then off by the slope's square over twice the
+/// radius, which stays below round-off up to the flattest, in units of that size.
+constexpr double slack = 1e3, flattest = 1e8;
 
 struct Pieces {
   Piece a, b;
@@ -169,6 +171,16 @@ Foot findFoot(const Pieces& pieces, const Vec3& slope, const Vec3& lineA, const 
   return foot;
 }
 
+/// True if what is left of the slope is no more than rounding explains.
+bool isStationary(const Pieces& pieces, const Look& look, const Frame& frame, const Vec3& left, double extent) {
+  const double epsilon = 4 * std::numeric_limits<double>::epsilon();
+  const double length = left.norm();
+  if (length <= slack * epsilon * extent) return true;
+  const Tangent t(frame, left / length);
+  const double bend = second(pieces, look, t, t);
+  return bend < flattest * extent && length <= slack * epsilon * bend;
+}
+
 double outside(double fraction) { return std::max(-fraction, fraction - 1); }
 
 /// Puts the end of a line in its place where the foot lies beyond it. True if one had to go.
@@ -280,7 +292,7 @@ PieceMinimum findPieceMinimum(Difference& c, const PieceName& a, const PieceName
       joinLine(c, look, p, n, pieces);
       continue;
     }
-    if (!(foot.left.norm() <= slack * roundOff)) return out;
+    if (!isStationary(pieces, look, frame, foot.left, c.extent())) return out;
 
     const Vec3 onA = look.a.point + foot.a * lineA;
     const Vec3 middle = 0.5 * (onA + frame.toWorld(look.b.point) - foot.b * lineB);
