@@ -82,7 +82,7 @@ TEST(Step, SameBitsForOneTwoAndFourThreads) {
   for (const int threads : {1, 2, 4}) {
     omp_set_num_threads(threads);
     // Enough bodies and pairs for every stage to use its threads.
-    auto world = makeHeap({}, 11);
+    auto world = makeHeap({}, 16);
     run(*world, 5e-6, 150);
     EXPECT_GT(world->report.contactSteps, 1000u);
     EXPECT_GE(world->bodies.movingSlots().size(), bodiesForThreads);
