@@ -28,6 +28,7 @@ struct Settings {
   int relax = 2000;  ///< steps before the clock starts
   int steps = 2000;  ///< steps timed
   double dt = 2e-6;  ///< s
+  bool energy = false;
 };
 
 /// Packed cubes in an open box, as the pose file has them: "# n base side", then x y z qw qx qy qz.
@@ -44,6 +45,7 @@ std::unique_ptr<World> loadCubes(const Settings& settings) {
   options.rule.rule = pointRuleFromName(settings.rule);
   const bool all = settings.skip == "all";
   options.skips = {all, all, all};
+  options.energy = settings.energy;
   MaterialTable materials;
   materials.add("cube", ContactParameters{});
   auto world = std::make_unique<World>(options, std::move(materials));
@@ -104,6 +106,7 @@ int main(int argc, char** argv) {
   app.add_option("--relax", settings.relax, "steps before the clock starts");
   app.add_option("--steps", settings.steps, "steps timed");
   app.add_option("--dt", settings.dt, "time step, s");
+  app.add_flag("--energy", settings.energy, "keep the energy ledger");
   app.add_option("--json", settings.json, "write the figures here too");
   CLI11_PARSE(app, argc, argv);
   try {

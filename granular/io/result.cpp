@@ -51,7 +51,8 @@ std::string formatResult(const RunResult& r) {
                       {"cold", r.contacts.cold},
                       {"searches", r.contacts.searches},
                       {"warm", r.contacts.warm}};
-  json["energy"] = {{"residual_relative", number(r.energyResidual)}};
+  json["energy"] = object(r.energy);
+  json["energy"]["residual_relative"] = number(r.energyResidual);
   json["stage_s"] = object(r.stageTimes);
   json["counters"] = object(r.more);
   json["skipped"] = r.skipped;

@@ -38,6 +38,7 @@ struct RunResult {
   std::int64_t contactsNow = 0;
   NarrowCounts contacts;                                   ///< the run's contact certificate
   std::optional<double> energyResidual;                    ///< relative; null without a ledger
+  std::vector<std::pair<std::string, double>> energy;      ///< the ledger's entries, J; empty without one
   std::vector<std::pair<std::string, double>> stageTimes;  ///< s
   std::vector<std::pair<std::string, double>> more;        ///< further counters, by stable name
   std::vector<std::string> skipped;

@@ -170,6 +170,7 @@ struct OutputSettings {
   double gap = 0;                        ///< stl, glb: each particle is scaled about its centre by 1 - gap
   bool picture = true, plots = true;
   bool particles = true, contacts = true;  ///< CSV tables
+  bool energy = false;                     ///< keep the energy ledger
   std::int64_t resolution = 24;            ///< segments around a circle of a curved surface
 };
 

@@ -240,6 +240,7 @@ void visitOutput(KeyVisitor& v, OutputSettings& s) {
   v.readBoolean({"plots", "plots of the profiles"}, s.plots);
   v.readBoolean({"particles", "a table of all particles"}, s.particles);
   v.readBoolean({"contacts", "a table of all contacts, and the force network with every frame"}, s.contacts);
+  v.readBoolean({"energy", "keep the energy ledger: where the energy went, now and in a table over time"}, s.energy);
   v.readInteger({"resolution", "segments around a circle of a curved surface"}, s.resolution, {6, 360});
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "granular/core/errors.h"
+#include "granular/law/account.h"
 #include "granular/law/linear.h"
 #include "granular/law/tensor.h"
 
@@ -14,19 +15,24 @@ namespace {
 using StiffnessFinder = ContactStiffness (*)(const LawConstants&, const LawOptions&, const ContactBody&,
                                              const ContactBody&, const Vec3&);
 
+using Accountant = void (*)(const LawConstants&, const LawOptions&, const ContactBody&, const ContactBody&,
+                            const ContactMotion&, const SpringStep&, ContactAccount&);
+
 struct LawRow {
   LawKind kind;
   std::string_view name;
   Law function;
   StiffnessFinder stiffness;
+  Accountant account;
   bool readsInertia;
 };
 
 // The table of laws: one row per law, in the order of LawKind.
 constexpr std::array<LawRow, 3> laws = {{
-    {LawKind::linear, "linear", applyLinearLaw, findLinearStiffness, false},
-    {LawKind::linearLocal, "linear_local", applyLinearLocalLaw, findLocalStiffness, true},
-    {LawKind::tensor, "tensor", applyTensorLaw, summariseTensorStiffness, true},
+    {LawKind::linear, "linear", applyLinearLaw, findLinearStiffness, accountSprings<findLinearStiffness>, false},
+    {LawKind::linearLocal, "linear_local", applyLinearLocalLaw, findLocalStiffness, accountSprings<findLocalStiffness>,
+     true},
+    {LawKind::tensor, "tensor", applyTensorLaw, summariseTensorStiffness, accountTensor, true},
 }};
 
 const LawRow& rowOf(LawKind kind) { return laws[static_cast<std::size_t>(kind)]; }
@@ -106,6 +112,16 @@ LawKind lawFromName(std::string_view name) {
 ContactStiffness stiffnessOf(LawKind kind, const LawConstants& constants, const LawOptions& options,
                              const ContactBody& a, const ContactBody& b, const Vec3& normal) {
   return rowOf(kind).stiffness(constants, options, a, b, normal);
+}
+
+ContactAccount accountContact(LawKind kind, const LawConstants& constants, const LawOptions& options,
+                              const ContactBody& a, const ContactBody& b, const ContactMotion& motion,
+                              const ContactHistory& before, const ContactHistory& after, const ContactForce& force) {
+  ContactAccount account;
+  const SpringStep step = followSpring(constants, motion, before, after);
+  rowOf(kind).account(constants, options, a, b, motion, step, account);
+  splitForce(motion, step, force, account);
+  return account;
 }
 
 }  // namespace granular

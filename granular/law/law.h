@@ -39,13 +39,14 @@ struct ContactBody {
 /// Kinematics of one contact at t_n. Velocities handed to dashpots are those at t_n; the increment of the tangential
 /// spring is the half-step velocity times dt.
 struct ContactMotion {
-  Vec3 normal;         ///< unit, A to B
-  double overlap = 0;  ///< what the elastic force is k_n times of, m
-  Vec3 velocity;       ///< of A's contact point minus B's at t_n, at `point`
-  Vec3 slip;           ///< relative displacement of the contact point during the last step, m
-  Vec3 spin;           ///< w_A - w_B at t_n, rad/s; read only for a patch
-  Vec3 meanSpin;       ///< (w_A + w_B)/2, rad/s: turns the spring about the normal
-  double share = 1;    ///< factor on stiffness and dashpots, for a spot among those of one face
+  Vec3 normal;              ///< unit, A to B
+  double overlap = 0;       ///< what the elastic force is k_n times of, m
+  double squaredDepth = 0;  ///< what the elastic energy is k_n/2 times of, m^2; only accounts read it
+  Vec3 velocity;            ///< of A's contact point minus B's at t_n, at `point`
+  Vec3 slip;                ///< relative displacement of the contact point during the last step, m
+  Vec3 spin;                ///< w_A - w_B at t_n, rad/s; read only for a patch
+  Vec3 meanSpin;            ///< (w_A + w_B)/2, rad/s: turns the spring about the normal
+  double share = 1;         ///< factor on stiffness and dashpots, for a spot among those of one face
   double dt = 0;
   // Patch: zero area for a point contact.
   Vec3 centreArm;  ///< patch centre - contact point, m
@@ -89,6 +90,22 @@ LawKind lawFromName(std::string_view name);
 std::string_view lawName(LawKind kind);
 /// True if the law reads ContactBody::inverseInertia.
 bool lawReadsInertia(LawKind kind, const LawOptions& options);
+
+/// What a law did with energy in one step, for the energy ledger. Springs as at t_n, after the law.
+struct ContactAccount {
+  double normalSpring = 0;      ///< elastic energy of the overlap while nothing holds the contact sideways, J
+  double tangentialSpring = 0;  ///< the rest of it: tangential spring and a patch's torsion, J
+  Vec3 elasticForce = Vec3::Zero(), elasticCouple = Vec3::Zero();  ///< the springs' part of force and couple on A
+  Vec3 dampingForce = Vec3::Zero(), dampingCouple = Vec3::Zero();  ///< the normal dashpot's
+  Vec3 viscousForce = Vec3::Zero(), viscousCouple = Vec3::Zero();  ///< all the rest: tangential dashpots, or friction
+  double slipHeat = 0;  ///< friction heat of the springs that gave way since t_{n-1}, J
+  bool slides = false;  ///< viscousForce and
+  bool twists = false;  ///< viscousCouple belong to friction
+};
+/// The account of one application of the law: before and after are the contact's history then, force what it answered.
+ContactAccount accountContact(LawKind kind, const LawConstants&, const LawOptions&, const ContactBody& a,
+                              const ContactBody& b, const ContactMotion&, const ContactHistory& before,
+                              const ContactHistory& after, const ContactForce& force);
 
 /// Effective coefficients of one contact, for the bound on the time step (S 13-16). tensor: the diagonal of its
 /// matrices.

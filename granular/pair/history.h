@@ -1,6 +1,8 @@
 // What a contact remembers from step to step, and the force that came of it.
 #pragma once
 
+#include <cstdint>
+
 #include "granular/core/math.h"
 
 namespace granular {
@@ -17,6 +19,13 @@ struct ContactForce {
   Vec3 couple = Vec3::Zero();  ///< on A, about the contact point, N m
   double normalForce = 0;      ///< signed: > 0 pushes the bodies apart, N
   bool sliding = false;
+};
+
+/// What the energy ledger remembers of a contact: the energy of its springs half a step after t_n, along the velocities
+/// of then. Kept only while a ledger is.
+struct SpringEnergy {
+  double normal = 0, tangential = 0;  ///< J
+  std::int64_t step = -1;             ///< after which it was written
 };
 
 }  // namespace granular

@@ -30,6 +30,7 @@ struct Pair {
 struct SpotHistory {
   std::int32_t spot = 0;
   ContactHistory history;
+  SpringEnergy energy;
 };
 
 /// A body near a wall. Sorted by (id of body, wall).
@@ -52,6 +53,7 @@ struct PairMemory {
   std::vector<ContactHistory> history;
   std::vector<Contact> held;  ///< the last contact of a pair at rest (a < 0: none); empty unless bodies sleep
   std::vector<ManifoldMemory> manifolds;  ///< empty unless the rule is `manifold`
+  std::vector<SpringEnergy> energy;       ///< of the springs; empty unless an energy ledger is kept
   std::vector<std::int32_t> free;
 
   std::int32_t take() {
@@ -65,6 +67,7 @@ struct PairMemory {
     cache[static_cast<std::size_t>(slot)] = WarmCache{};
     history[static_cast<std::size_t>(slot)] = ContactHistory{};
     if (static_cast<std::size_t>(slot) < manifolds.size()) manifolds[static_cast<std::size_t>(slot)] = ManifoldMemory{};
+    if (static_cast<std::size_t>(slot) < energy.size()) energy[static_cast<std::size_t>(slot)] = SpringEnergy{};
     if (static_cast<std::size_t>(slot) < held.size()) held[static_cast<std::size_t>(slot)].a = -1;
     return slot;
   }

@@ -48,6 +48,10 @@ RunResult collectRun(const PackingRun& run, RunEnd end, int threads) {
   result.kineticEnergy = kineticEnergy(world.bodies);
   result.contactsNow = static_cast<std::int64_t>(world.contactCount());
   result.contacts = report.narrow;
+  if (world.ledger.begun) {
+    result.energyResidual = world.ledger.relativeResidual();
+    for (const auto& [name, value] : world.ledger.entries()) result.energy.emplace_back(name, value);
+  }
   for (int k = 0; k < stageCount; ++k) {
     result.stageTimes.emplace_back(stageName(static_cast<Stage>(k)), report.seconds[static_cast<std::size_t>(k)]);
   }
@@ -74,6 +78,23 @@ RunResult collectRun(const PackingRun& run, RunEnd end, int threads) {
   return result;
 }
 
+Table tabulateEnergy(const EnergySeries& series, const EnergyLedger& ledger) {
+  Table table;
+  table.name = "energy";
+  table.definition =
+      "The energy ledger over time, half a step after the positions: energies now, and heat and work since the run "
+      "began. "
+      "residual = kinetic + potential + springs + dashpots + friction + parted - wall work - contact-rule work - "
+      "exchanged";
+  table.columns = {"time_s"};
+  for (const auto& entry : ledger.entries()) table.columns.emplace_back(entry.first);
+  for (std::size_t k = 0; k < series.rows(); ++k) {
+    const auto row = series.numbers.begin() + static_cast<std::ptrdiff_t>(k * series.columns);
+    table.rows.emplace_back(row, row + static_cast<std::ptrdiff_t>(series.columns));
+  }
+  return table;
+}
+
 /// Tables of the analysis, of the particles and of the contacts; what was written goes into the result.
 void writeTables(const PackingRun& run, const Bed& bed, const BedAnalysis& analysis, const std::filesystem::path& out,
                  RunResult& result) {
@@ -86,6 +107,7 @@ void writeTables(const PackingRun& run, const Bed& bed, const BedAnalysis& analy
   }
   if (run.scene().output.particles) tables.push_back(tabulateParticles(bodies, coordination));
   if (run.scene().output.contacts) tables.push_back(tabulateContacts(bed, bodies.id));
+  if (run.scene().output.energy) tables.push_back(tabulateEnergy(run.energySeries(), run.world().ledger));
   for (const Table& table : tables) {
     writeTable(out / (table.name + ".csv"), table);
     result.tables.emplace_back(table.name + ".csv", table.definition);
@@ -143,7 +165,15 @@ std::string formatSummary(const RunResult& result, const PackingRun& run) {
       "contact certificate: {} answers verified warm, {} full searches, {} cold, {} fallbacks, {} missed by "
       "Bullet, {} normal flips, {} uncertified\n",
       c.warm, c.searches, c.cold, c.fallbacks, c.missed, c.normalFlips, c.uncertified);
-  text += fmt::format("energy: kinetic {:.3g} J; ledger not kept\n", result.kineticEnergy);
+  text += fmt::format("energy: kinetic {:.3g} J; ", result.kineticEnergy);
+  const EnergyLedger& ledger = run.world().ledger;
+  text += !ledger.begun
+              ? std::string("ledger not kept\n")
+              : fmt::format(
+                    "heat of dashpots {:.3g}, of friction {:.3g}, left in parted springs {:.3g}; work of walls {:.3g}, "
+                    "of the contact rule {:.3g} J; residual {:.1e} of all\n",
+                    ledger.normalDashpots + ledger.tangentialDashpots, ledger.friction, ledger.parted, ledger.wall,
+                    ledger.rule, ledger.relativeResidual());
   text += fmt::format(
       "speed: {:.4g} s wall, {:.3g} particle-steps/s, {:.3g} us per contact; step bound of the contacts met "
       "{:.3g} s\n",

@@ -286,6 +286,7 @@ RunEnd PackingRun::run(const std::filesystem::path& out, const volatile std::sig
     if (state->steps % lookEvery != 0) continue;
 
     observe(static_cast<double>(lookEvery) * dt);
+    if (settings.output.energy) energies.record(state->time + 0.5 * dt, state->ledger);
     counters.wall = wallBefore + line.elapsed();
     line.report(shareDone(), [&] { return describeProgress(); });
     if (settings.output.frames && state->time >= counters.nextFrame) {
@@ -355,6 +356,7 @@ void PackingRun::visitState(Archive& archive) {
   }
   archive.visitGroup("run", counters);
   archive.visitGroup("frames", frames);
+  archive.visitGroup("energy_series", energies);
   archive.visitGroup("world", *state);
 }
 

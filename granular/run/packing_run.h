@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "granular/energy/series.h"
 #include "granular/insert/inserter.h"
 #include "granular/io/archive.h"
 #include "granular/io/scene.h"
@@ -61,6 +62,7 @@ class PackingRun {
   double timeStep() const { return dt; }
   const TimeStepBound& bound() const { return stepBound; }
   const RunProgress& progress() const { return counters; }
+  const EnergySeries& energySeries() const { return energies; }
   const std::vector<FrameSeries::Entry>& frameEntries() const { return frames; }
   Vessel vessel() const;
 
@@ -98,6 +100,7 @@ class PackingRun {
   TimeStepBound stepBound;
   double dt = 0;
   RunProgress counters;
+  EnergySeries energies;
   std::vector<FrameSeries::Entry> frames;  // of particles.pvd so far
 };
 

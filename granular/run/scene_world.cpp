@@ -59,6 +59,7 @@ WorldOptions makeOptions(const Scene& scene) {
   options.sleep.wake = scene.settle.wake;
   options.deepOverlap = scene.limits.maxOverlap;
   options.maxSpeed = scene.limits.maxSpeed;
+  options.energy = scene.output.energy;
   for (int k = 0; k < 3; ++k) {
     const char* names[] = {"x", "y", "z"};
     if (!repeats(scene.vessel, names[k])) continue;

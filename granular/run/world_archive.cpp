@@ -100,25 +100,37 @@ void visitContacts(Archive& archive, std::vector<Contact>& rows) {
       archive, "torque_b", rows, [](Contact & c) -> auto& { return c.torqueB; });
 }
 
+void visitEnergies(Archive& archive, std::vector<SpringEnergy>& rows) {
+  archive.inGroup("springs", [&] {
+    archive.visitMember("normal", rows, &SpringEnergy::normal, {"J", "for the energy ledger"});
+    archive.visitMember("tangential", rows, &SpringEnergy::tangential, {"J", ""});
+    archive.visitMember("step", rows, &SpringEnergy::step);
+  });
+}
+
 /// Lists of spots per row: how many each has, then all in one column.
 template <class Row>
 void visitSpots(Archive& archive, std::vector<Row>& rows) {
   std::vector<std::int32_t> counts, spots;
   std::vector<ContactHistory> histories;
+  std::vector<SpringEnergy> energies;
   for (const Row& row : rows) {
     counts.push_back(static_cast<std::int32_t>(row.spots.size()));
     for (const SpotHistory& spot : row.spots) {
       spots.push_back(spot.spot);
       histories.push_back(spot.history);
+      energies.push_back(spot.energy);
     }
   }
   archive.visit("spot_count", counts);
   archive.visit("spot", spots);
   visitHistory(archive, histories);
+  visitEnergies(archive, energies);
   if (!archive.loading()) return;
   std::size_t next = 0;
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    for (std::int32_t n = 0; n < counts[k]; ++n, ++next) rows[k].spots.push_back({spots[next], histories[next]});
+    for (std::int32_t n = 0; n < counts[k]; ++n, ++next)
+      rows[k].spots.push_back({spots[next], histories[next], energies[next]});
   }
 }
 
@@ -166,6 +178,7 @@ void visitPairs(Archive& archive, PairList& list) {
     archive.visitMember("direction", memory.cache, &WarmCache::direction);
     archive.visitMember("budget", memory.cache, &WarmCache::budget, {"m", ""});
     archive.visitMember("proof", memory.cache, &WarmCache::proof, {"", "proof kept from an earlier step, float32"});
+    visitEnergies(archive, memory.energy);
     archive.visit("free", memory.free);
     archive.inGroup("held", [&] { visitContacts(archive, memory.held); });
     archive.inGroup("manifolds", [&] { visitManifolds(archive, memory.manifolds); });
@@ -266,6 +279,12 @@ void describe(Archive& archive, World& world) {
     archive.visit("fallen", world.sleep.fallen);
     archive.visit("woken", world.sleep.woken);
   });
+  archive.inGroup("ledger",
+                  [&] { world.ledger.visitState([&](const char* name, auto& value) { archive.visit(name, value); }); });
+  if (archive.loading() && !world.options.energy) {
+    world.ledger = EnergyLedger{};
+    world.pairs.memory.energy.clear();
+  }
   visitReport(archive, world.report);
   if (!archive.loading()) return;
   world.bodies.restoreDerived(world.shapes);
@@ -298,6 +317,15 @@ void describe(Archive& archive, RunProgress& progress) {
   archive.visit("next_checkpoint", progress.nextCheckpoint, {"s", ""});
   archive.visit("wall", progress.wall, {"s", ""});
   archive.visit("smallest_bound", progress.smallestBound, {"s", ""});
+}
+
+void describe(Archive& archive, EnergySeries& series) {
+  auto columns = static_cast<std::uint64_t>(series.columns);
+  archive.visit("interval", series.interval, {"s", "between rows"});
+  archive.visit("next", series.next, {"s", ""});
+  archive.visit("columns", columns);
+  archive.visit("numbers", series.numbers, {"", "row by row: time in s, entries of the ledger in J"});
+  series.columns = columns;
 }
 
 void describe(Archive& archive, std::vector<FrameSeries::Entry>& frames) {

@@ -1,6 +1,7 @@
 // The whole state of a run as an archive: what it needs to go on to the same bits.
 #pragma once
 
+#include "granular/energy/series.h"
 #include "granular/insert/inserter.h"
 #include "granular/io/archive.h"
 #include "granular/io/vtk_writer.h"
@@ -15,6 +16,7 @@ struct RunProgress;
 void describe(Archive& archive, World& world);
 void describe(Archive& archive, PourState& state);
 void describe(Archive& archive, RunProgress& progress);
+void describe(Archive& archive, EnergySeries& series);
 void describe(Archive& archive, std::vector<FrameSeries::Entry>& frames);
 
 }  // namespace granular

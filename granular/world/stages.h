@@ -23,8 +23,12 @@ void placeContactPoints(World& world);
 void applyForceLaws(double dt, World& world);
 /// Sums forces and torques on each body in the order of its pairs, gravity first.
 void gatherForces(World& world);
+/// Remembers the half-step velocities before the kick. Nothing unless the energy ledger is kept.
+void rememberVelocities(World& world);
 /// Half-step velocities and orientations from the forces at t_{n+1}.
 void advance(double dt, const WorldOptions& options, Bodies& bodies);
+/// Books the work of the kick just done on the energy ledger. Nothing unless it is kept.
+void keepLedger(double dt, World& world);
 /// Bodies that have come to rest fall asleep; sleepers whose forces changed wake. Nothing unless the scene asks for it.
 void letSleep(double dt, World& world);
 /// Counts and names trouble: states that are not finite, deep overlaps.

@@ -41,10 +41,12 @@ void step(World& world, double dt) {
   timer.lap(Stage::laws);
   gatherForces(world);  // fixed order per body
   timer.lap(Stage::gather);
+  rememberVelocities(world);                 // only for the ledger
   advance(dt, world.options, world.bodies);  // half-step velocities, q
   timer.lap(Stage::advance);
-  letSleep(dt, world);  // only if the scene asks for it
-  watch(world);         // non-finite, deep overlap
+  keepLedger(dt, world);  // only if the scene asks for it
+  letSleep(dt, world);    // only if the scene asks for it
+  watch(world);           // non-finite, deep overlap
   timer.lap(Stage::watch);
   world.time += dt;
   ++world.steps;

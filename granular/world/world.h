@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "granular/body/bodies.h"
+#include "granular/energy/ledger.h"
 #include "granular/integrate/integrator.h"
 #include "granular/law/materials.h"
 #include "granular/narrow/narrow.h"
@@ -38,6 +39,7 @@ struct WorldOptions {
   SleepOptions sleep;
   double deepOverlap = 0.08;  ///< overlaps above this times the smaller size are reported as trouble
   double maxSpeed = 1e5;      ///< surface speeds above this are reported as trouble, m/s
+  bool energy = false;        ///< keep the energy ledger
 };
 
 struct World {
@@ -68,6 +70,8 @@ struct World {
     std::int32_t uncertifiedPair = -1;  ///< the first pair whose answer no bound could certify
     std::int32_t deepestContact = -1;   ///< index in contacts
     std::vector<WallTouch> wallTouches;
+    std::vector<ContactAccount> accounts;  ///< of the contacts; empty unless the energy ledger is kept
+    LedgerSums booked;
   };
   std::vector<Chunk> chunks;
   std::size_t wallChunkBegin = 0;
@@ -93,7 +97,9 @@ struct World {
   std::vector<double> load;  ///< weight plus half the sum of the contact forces of each moving body, N; for sleep alone
   bool layoutStale = false;  ///< bodies fell asleep or woke: lay out the contacts anew
 
-  std::vector<Vec3> wallForces;  ///< on each wall, N, of the last step
+  EnergyLedger ledger;                           ///< of t_{n+1/2} after a step; not begun unless the options ask for it
+  std::vector<Vec3> velocityBefore, spinBefore;  ///< half-step velocities before the last kick, for the ledger
+  std::vector<Vec3> wallForces;                  ///< on each wall, N, of the last step
   Report report;
 
   /// Adds a body at time t_n; its half steps start with the next step. Returns its slot.

@@ -157,6 +157,10 @@ TEST_F(Resume, ARunStartedFromABedEndsInTheSameBits) {
   expectSameAt(0.02, 0.0113, tilted + narrowBox + commonText + spheres + bed + settle("none"));
 }
 
+TEST_F(Resume, TheEnergyLedgerEndsInTheSameBits) {
+  expectSameAt(0.06, 0.0471, narrowBox + commonText + mixture + few + settle("sleep"), {"output.energy=true"});
+}
+
 TEST_F(Resume, TheCheckpointsOnTheWayAreAsGoodAsTheLast) {
   const std::string text = narrowBox + commonText + mixture + batches + settle("sleep");
   omp_set_num_threads(1);
