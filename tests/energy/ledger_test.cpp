@@ -345,7 +345,7 @@ TEST(Ledger, ChangesNoBitOfTheMotionAndIsTheSameForAnyNumberOfThreads) {
   std::vector<EnergyLedger> ledgers;
   for (const int threads : {1, 2, 4, 0}) {
     omp_set_num_threads(std::max(threads, 1));
-    auto world = makeHeap({}, threads > 0, 7);
+    auto world = makeHeap({}, threads > 0, 12);
     run(*world, 5e-6, 4e-3);
     EXPECT_GT(world->report.contactSteps, 1000u);
     EXPECT_GE(world->chunks.size(), chunksForThreads);
