@@ -11,6 +11,8 @@
 //   An elastic foundation has k_n M: a column of n equal bodies buckles where n^3 exceeds a multiple of it.
 // * Edge: W u = (p + 1)^2/(p + 2)^2 h. Corner: (p + 1)^2/(p + 3)^2 h. Never softer than 1/4, .86 of k_n for p = 24.
 // * Where the far edge lifts off, the force arrives at the near one, and stays. Nothing jumps: I_{p-1} is continuous.
+#include <limits>
+
 #include "granular/point/rules.h"
 
 namespace granular {
@@ -18,9 +20,17 @@ namespace granular {
 Pressure pressStiffPatch(const AreaMoments& m, int sharpness, double overlap) {
   const DepthPowers& I = m.powers;
   const double p = sharpness;
+  Pressure out;
+  // Faces that touch within round-off have depths of nothing beside the overlap, whose powers are lost: they press with
+  // nothing. Above this the quotients keep all their digits.
+  constexpr double least = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+  if (!(I.at > least * m.area)) {
+    out.centre = m.centroidOfVolume();
+    out.depth = out.squaredDepth = 0;
+    return out;
+  }
   const double u = I.above / I.at;  // over the overlap
   const double weight = (p + 1) * I.at - p * u * I.below;
-  Pressure out;
   out.centre = ((p + 1) * I.firstAt - p * u * I.firstBelow) / weight;
   out.depth = overlap * u * weight / I.at;
   out.squaredDepth = overlap * u * overlap * u;

@@ -138,6 +138,18 @@ Claim claimOf(const RuleOptions& options, const Polygon& polygon, const Linear& 
   return {0.5 * p.share * p.squaredDepth, p.share * p.depth * Vec3(1, p.centre.x(), p.centre.y())};
 }
 
+TEST(StiffPatch, PressesWithNothingWhereTheDepthIsRoundOffBesideTheOverlap) {
+  // Faces that have just met: the plane's depths may be lost beside the overlap, and so are their powers.
+  for (const double depth : {1e-22, 1e-27, 1e-33}) {
+    const AreaMoments moments = integrate(makeSheet(2e-3, 3e-3), Linear{depth, Vec2::Zero()}, {24, 1e-18});
+    ASSERT_GT(moments.volume, 0);
+    const Pressure pressure = pressStiffPatch(moments, 24, 1e-18);
+    EXPECT_TRUE(pressure.centre.allFinite()) << depth;
+    EXPECT_NEAR(pressure.depth, depth, 1.01 * depth) << depth;
+    EXPECT_NEAR(pressure.centre.norm(), 0, 1e-12) << depth;
+  }
+}
+
 TEST(RulesWithAPotential, PressWithItsGradient) {
   Random random(5);
   for (int trial = 0; trial < 400; ++trial) {
