@@ -132,9 +132,9 @@ bool isDegenerate(const Polyhedron& hull) {
   for (std::size_t i = 0; i < tables.vertices.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if ((tables.vertices[i] - tables.vertices[j]).norm() < closest * size) return true;
-  for (std::size_t f = 0; f < tables.faceNormals.size(); ++f) {
-    const Vec3& n = tables.faceNormals[f];
-    if (tables.faceOffsets[f] - hull.support(-n).dot(n) < thinnest * size) return true;
+  for (std::size_t f = 0; f < tables.faces.size(); ++f) {
+    const Vec3& n = tables.faces[f].normal;
+    if (tables.faces[f].offset - hull.support(-n).dot(n) < thinnest * size) return true;
   }
   return false;
 }

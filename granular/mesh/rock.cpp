@@ -83,7 +83,7 @@ class ExactRock final : public Polyhedron {
     }
     topology = makePolyhedronTables(std::move(points), hull.faces);
     findOctantVertices();
-    const double inner = *std::min_element(topology.faceOffsets.begin(), topology.faceOffsets.end());
+    const double inner = topology.leastOffset();
     setMeasures(solid.principal, bounding, inner, std::sqrt(diameter), distinctAxis(solid.principal.inertia, false));
   }
 };

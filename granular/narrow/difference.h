@@ -12,25 +12,6 @@ inline Frame relativeFrame(const Frame& frameA, const Frame& frameB) {
   return {frameA.R.transpose() * frameB.R, frameA.R.transpose() * (frameB.x - frameA.x)};
 }
 
-/// Index of the vertex furthest along d, by climbing from start; ends at the global maximum, since the body is convex.
-inline std::int32_t climbToSupport(const PolyhedronTables& tables, const Vec3& d, std::int32_t start) {
-  std::int32_t best = start;
-  double height = tables.vertices[static_cast<std::size_t>(best)].dot(d);
-  while (true) {
-    const std::int32_t from = best;
-    const std::int32_t end = tables.neighbourBegin[static_cast<std::size_t>(from) + 1];
-    for (std::int32_t k = tables.neighbourBegin[static_cast<std::size_t>(from)]; k < end; ++k) {
-      const std::int32_t v = tables.neighbours[static_cast<std::size_t>(k)];
-      const double candidate = tables.vertices[static_cast<std::size_t>(v)].dot(d);
-      if (candidate > height) {
-        height = candidate;
-        best = v;
-      }
-    }
-    if (best == from) return best;
-  }
-}
-
 /// A point w = a - b of C with its makings, A's body axes; vertex indices where a shape has them, otherwise -1.
 struct SupportPoint {
   Vec3 w, a, b;
@@ -71,6 +52,10 @@ class Difference {
     seedB = vertexB;
   }
 
+  /// The vertices the last search ended at, of polyhedra.
+  std::int32_t lastVertexOfA() const { return std::max(seedA, 0); }
+  std::int32_t lastVertexOfB() const { return std::max(seedB, 0); }
+
   /// The point of C furthest along d (any length > 0).
   SupportPoint support(const Vec3& d) {
     SupportPoint p;
@@ -97,7 +82,7 @@ class Difference {
   static Vec3 supportOf(const Shape& shape, const PolyhedronTables* tables, const Vec3* half, const Vec3& d,
                         std::int32_t& seed) {
     if (tables) {
-      seed = climbToSupport(*tables, d, std::max(seed, 0));
+      seed = tables->climb(d, std::max(seed, 0));
       return tables->vertices[static_cast<std::size_t>(seed)];
     }
     if (half) {

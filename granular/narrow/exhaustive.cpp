@@ -36,8 +36,8 @@ std::vector<Arc> arcsOf(const PolyhedronTables& tables, const Mat3& R, const Cor
   std::vector<Arc> arcs;
   for (const PolyhedronTables::Edge& e : tables.edges) {
     const Vec3& from = corners.points[static_cast<std::size_t>(e.a)];
-    arcs.push_back({R * tables.faceNormals[static_cast<std::size_t>(e.faceLeft)],
-                    R * tables.faceNormals[static_cast<std::size_t>(e.faceRight)],
+    arcs.push_back({R * tables.faces[static_cast<std::size_t>(e.faceLeft)].normal,
+                    R * tables.faces[static_cast<std::size_t>(e.faceRight)].normal,
                     corners.points[static_cast<std::size_t>(e.b)] - from, from});
   }
   return arcs;
@@ -59,8 +59,8 @@ ExhaustiveDepth searchPolyhedra(const PolyhedronTables& a, const Frame& frameA, 
     if (depth < best.depth) best = {depth, n};
   };
   // B's corners are subtracted: h(n) = max over A of n.a + max over B of -n.b.
-  for (const Vec3& n : a.faceNormals) look(frameA.R * n);
-  for (const Vec3& n : b.faceNormals) look(-(frameB.R * n));
+  for (const auto& face : a.faces) look(frameA.R * face.normal);
+  for (const auto& face : b.faces) look(-(frameB.R * face.normal));
 
   const std::vector<Arc> arcsA = arcsOf(a, frameA.R, cornersA), arcsB = arcsOf(b, frameB.R, cornersB);
   for (const Arc& p : arcsA) {

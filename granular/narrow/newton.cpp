@@ -219,7 +219,8 @@ FlatFace flatFaceOf(const Shape& shape, const PieceName& face) {
       return {{0, 0, -1}, -static_cast<const Cone&>(shape).baseZ()};
     default: {
       const PolyhedronTables& t = static_cast<const Polyhedron&>(shape).tables();
-      return {t.faceNormals[static_cast<std::size_t>(face.index)], t.faceOffsets[static_cast<std::size_t>(face.index)]};
+      return {t.faces[static_cast<std::size_t>(face.index)].normal,
+              t.faces[static_cast<std::size_t>(face.index)].offset};
     }
   }
 }

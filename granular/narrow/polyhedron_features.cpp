@@ -52,14 +52,13 @@ Polygon clipToInside(const Polygon& polygon, const Vec3& from, const Vec3& inwar
 }  // namespace
 
 double faceMargin(const PolyhedronTables& tables, std::int32_t face, const Vec3& p) {
-  const Vec3& n = tables.faceNormals[static_cast<std::size_t>(face)];
-  const auto begin = static_cast<std::size_t>(tables.faceBegin[static_cast<std::size_t>(face)]);
-  const auto end = static_cast<std::size_t>(tables.faceBegin[static_cast<std::size_t>(face) + 1]);
+  const Vec3& n = tables.faces[static_cast<std::size_t>(face)].normal;
+  const auto corners = tables.cornersOf(face);
   // Signed squares of the distances from the edges: one root at the end.
   double least = infinity;
-  Vec3 from = vertexOf(tables, tables.faceCorners[end - 1]);
-  for (std::size_t k = begin; k < end; ++k) {
-    const Vec3& to = vertexOf(tables, tables.faceCorners[k]);
+  Vec3 from = vertexOf(tables, corners.back().vertex);
+  for (const PolyhedronTables::Corner& corner : corners) {
+    const Vec3& to = vertexOf(tables, corner.vertex);
     const Vec3 edge = to - from;
     const double area = n.dot(edge.cross(p - from));
     least = std::min(least, area * std::abs(area) / edge.squaredNorm());
@@ -70,13 +69,13 @@ double faceMargin(const PolyhedronTables& tables, std::int32_t face, const Vec3&
 
 FeatureCheck checkFace(const PolyhedronTables& reference, std::int32_t face, const PolyhedronTables& other,
                        const Frame& frame, double tie, std::int32_t& vertex) {
-  const Vec3 n = reference.faceNormals[static_cast<std::size_t>(face)];
-  vertex = climbToSupport(other, -frame.unrotate(n), vertex);
+  const Vec3 n = reference.faces[static_cast<std::size_t>(face)].normal;
+  vertex = other.climb(-frame.unrotate(n), vertex);
   const Vec3 p = frame.toWorld(vertexOf(other, vertex));
 
   FeatureCheck out;
   out.minimum.normal = n;
-  out.minimum.depth = reference.faceOffsets[static_cast<std::size_t>(face)] - n.dot(p);
+  out.minimum.depth = reference.faces[static_cast<std::size_t>(face)].offset - n.dot(p);
   out.minimum.onB = p;
   out.minimum.onA = p + out.minimum.depth * n;
 
@@ -88,15 +87,14 @@ FeatureCheck checkFace(const PolyhedronTables& reference, std::int32_t face, con
 
 FeatureCheck checkTiedFace(const PolyhedronTables& reference, std::int32_t face, const PolyhedronTables& other,
                            const Frame& frame, double tie) {
-  const Vec3 n = reference.faceNormals[static_cast<std::size_t>(face)];
+  const Vec3 n = reference.faces[static_cast<std::size_t>(face)].normal;
   FeatureCheck out;
   Polygon polygon = collectTied(other, frame, n, tie);
-  const double depth = reference.faceOffsets[static_cast<std::size_t>(face)] - n.dot(polygon.front());
-  const auto begin = static_cast<std::size_t>(reference.faceBegin[static_cast<std::size_t>(face)]);
-  const auto end = static_cast<std::size_t>(reference.faceBegin[static_cast<std::size_t>(face) + 1]);
-  for (std::size_t k = begin; k < end && !polygon.empty(); ++k) {
-    const Vec3& from = vertexOf(reference, reference.faceCorners[k]);
-    const Vec3& to = vertexOf(reference, reference.faceCorners[k + 1 < end ? k + 1 : begin]);
+  const double depth = reference.faces[static_cast<std::size_t>(face)].offset - n.dot(polygon.front());
+  const auto corners = reference.cornersOf(face);
+  for (std::size_t k = 0; k < corners.size() && !polygon.empty(); ++k) {
+    const Vec3& from = vertexOf(reference, corners[k].vertex);
+    const Vec3& to = vertexOf(reference, corners[k + 1 < corners.size() ? k + 1 : 0].vertex);
     polygon = clipToInside(polygon, from, n.cross(to - from).normalized(), tie);
   }
   if (polygon.empty()) return out;
@@ -124,8 +122,8 @@ FeatureCheck checkEdges(const PolyhedronTables& a, std::int32_t edgeA, const Pol
   if (!(cc > leastSine * leastSine * uu * vv)) return out;
 
   // The common normal, outward for A.
-  const Vec3& leftA = a.faceNormals[static_cast<std::size_t>(ea.faceLeft)];
-  const Vec3& rightA = a.faceNormals[static_cast<std::size_t>(ea.faceRight)];
+  const Vec3& leftA = a.faces[static_cast<std::size_t>(ea.faceLeft)].normal;
+  const Vec3& rightA = a.faces[static_cast<std::size_t>(ea.faceRight)].normal;
   const double area = std::sqrt(cc);
   const double side = cross.dot(leftA + rightA) < 0 ? -1 : 1;
   const Vec3 n = cross * (side / area);
@@ -137,8 +135,8 @@ FeatureCheck checkEdges(const PolyhedronTables& a, std::int32_t edgeA, const Pol
     return l >= cosine * r - angular && r >= cosine * l - angular && l + r > 0;
   };
   if (!liesBetween(n, leftA, rightA)) return out;
-  if (!liesBetween(-frame.unrotate(n), b.faceNormals[static_cast<std::size_t>(eb.faceLeft)],
-                   b.faceNormals[static_cast<std::size_t>(eb.faceRight)])) {
+  if (!liesBetween(-frame.unrotate(n), b.faces[static_cast<std::size_t>(eb.faceLeft)].normal,
+                   b.faces[static_cast<std::size_t>(eb.faceRight)].normal)) {
     return out;
   }
 

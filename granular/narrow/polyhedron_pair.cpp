@@ -75,15 +75,13 @@ NamedFeature lookAgain(const Pair& pair, const WarmCache& cache) {
 
 /// The face around the vertex whose normal is nearest to n.
 std::int32_t alignedFace(const PolyhedronTables& t, std::int32_t vertex, const Vec3& n) {
-  const auto begin = static_cast<std::size_t>(t.vertexFaceBegin[static_cast<std::size_t>(vertex)]);
-  const auto end = static_cast<std::size_t>(t.vertexFaceBegin[static_cast<std::size_t>(vertex) + 1]);
-  std::int32_t best = t.vertexFaces[begin];
-  for (std::size_t k = begin; k < end; ++k) {
-    const std::int32_t f = t.vertexFaces[k];
-    if (t.faceNormals[static_cast<std::size_t>(f)].dot(n) > t.faceNormals[static_cast<std::size_t>(best)].dot(n))
-      best = f;
-  }
-  return best;
+  const auto spokes = t.spokesOf(vertex);
+  const auto cosine = [&](const PolyhedronTables::Spoke& s) {
+    return t.faces[static_cast<std::size_t>(s.face)].normal.dot(n);
+  };
+  const auto best = std::max_element(spokes.begin(), spokes.end(),
+                                     [&](const auto& p, const auto& q) { return cosine(p) < cosine(q); });
+  return best->face;
 }
 
 /// The edges around the support vertex of n that lie within `slope` of n's supporting plane: the one whose two faces'
@@ -103,14 +101,14 @@ void collectFlatEdges(const PolyhedronTables& t, std::int32_t vertex, const Vec3
 /// edges, so that ties fall to faces whatever the round-off.
 NamedFeature nameFeature(const Pair& pair, const Vec3& n, double depth) {
   const Vec3 inB = -pair.bInA.unrotate(n);
-  const std::int32_t vertexA = climbToSupport(pair.a, n, 0), vertexB = climbToSupport(pair.b, inB, 0);
+  const std::int32_t vertexA = pair.a.climb(n, 0), vertexB = pair.b.climb(inB, 0);
   const double enough = depth + 100 * pair.tie;
 
   // A face of either: its own normal, and the vertex above it.
   constexpr double aligned = 1 - 1e-9;
   const std::int32_t faceA = alignedFace(pair.a, vertexA, n), faceB = alignedFace(pair.b, vertexB, inB);
-  const bool nearA = pair.a.faceNormals[static_cast<std::size_t>(faceA)].dot(n) > aligned;
-  const bool nearB = pair.b.faceNormals[static_cast<std::size_t>(faceB)].dot(inB) > aligned;
+  const bool nearA = pair.a.faces[static_cast<std::size_t>(faceA)].normal.dot(n) > aligned;
+  const bool nearB = pair.b.faces[static_cast<std::size_t>(faceB)].normal.dot(inB) > aligned;
   if (nearA) {
     const NamedFeature f = lookAtFaceOfA(pair, faceA, vertexB);
     if (f.check.holds && f.check.minimum.depth <= enough) return f;
@@ -160,10 +158,29 @@ DepthBounds boundExactly(Difference& c, const PairView& view, const Vec3& start,
   return bounds;
 }
 
+/// A vertex of the feature. ownFace: the kind that names a face of this body.
+std::int32_t nameVertex(const PolyhedronTables& t, WarmCache::Kind kind, WarmCache::Kind ownFace,
+                        std::int32_t feature) {
+  if (kind == WarmCache::edgePair) return t.edges[static_cast<std::size_t>(feature)].a;
+  return kind == ownFace ? t.cornersOf(feature).front().vertex : feature;
+}
+
 bool report(const PairView& view, const NamedFeature& f, WarmCache& cache, NarrowCounts& counts, Touch& touch) {
   cache.featureA = f.featureA;
   cache.featureB = f.featureB;
-  return reportTouch(view, f.kind, f.check.minimum, cache, counts, touch);
+  reportTouch(view, f.kind, f.check.minimum, cache, counts, touch);
+  touch.nearVertexA =
+      nameVertex(static_cast<const Polyhedron&>(view.a).tables(), f.kind, WarmCache::faceOfA, f.featureA);
+  touch.nearVertexB =
+      nameVertex(static_cast<const Polyhedron&>(view.b).tables(), f.kind, WarmCache::faceOfB, f.featureB);
+  return true;
+}
+
+/// Apart, with the vertices between which the gap was found.
+bool reportGap(const Difference& c, const Vec3& direction, double gap, WarmCache& cache) {
+  cache.featureA = c.lastVertexOfA();
+  cache.featureB = c.lastVertexOfB();
+  return reportApart(direction, gap, cache);
 }
 
 /// The search proper. `kept`: the last feature where it still holds.
@@ -175,7 +192,7 @@ bool searchPolyhedra(const PairView& view, const Pair& pair, Difference& c, cons
   if (!cache.touched) {
     if (cache.kind == WarmCache::cold) ++counts.cold;
     const Nearest nearest = findNearest(c, Vec3::Zero(), guess, separationPrecision);
-    if (nearest.gap > 0) return reportApart(nearest.direction, nearest.gap, cache);
+    if (nearest.gap > 0) return reportGap(c, nearest.direction, nearest.gap, cache);
     proposal = askBullet(c, guess);
   }
   ++counts.searches;
@@ -184,7 +201,7 @@ bool searchPolyhedra(const PairView& view, const Pair& pair, Difference& c, cons
   const bool known = kept.check.holds;
   const DepthBounds bounds = boundExactly(c, view, known ? kept.check.minimum.normal : guess,
                                           known ? kept.check.minimum.depth : infinity, pair.tie);
-  if (!(bounds.upper > 0)) return reportApart(bounds.normal, std::max(0.0, -bounds.upper), cache);
+  if (!(bounds.upper > 0)) return reportGap(c, bounds.normal, std::max(0.0, -bounds.upper), cache);
   if (!cache.touched) countProposal(c, proposal, bounds.upper, counts);
   if (known && bounds.upper >= kept.check.minimum.depth - pair.tie) return report(view, kept, cache, counts, touch);
 
@@ -202,10 +219,11 @@ bool touchPolyhedra(const PairView& view, WarmCache& cache, NarrowCounts& counts
   // Warm and apart: does the last direction still separate?
   if (cache.kind == WarmCache::apart && !view.searchAlways) {
     Difference c(view.a, view.frameA, view.b, view.frameB);
+    c.seed(cache.featureA, cache.featureB);
     const double depth = c.depth(cache.direction);
     if (depth < 0) {
       ++counts.warm;
-      return reportApart(cache.direction, -depth, cache);
+      return reportGap(c, cache.direction, -depth, cache);
     }
   }
 
@@ -217,6 +235,8 @@ bool touchPolyhedra(const PairView& view, WarmCache& cache, NarrowCounts& counts
     const LocalMinimum& m = last.check.minimum;
     if (last.check.holds && !(m.depth > 0)) {
       ++counts.warm;
+      cache.featureA = nameVertex(pair.a, last.kind, WarmCache::faceOfA, last.featureA);
+      cache.featureB = nameVertex(pair.b, last.kind, WarmCache::faceOfB, last.featureB);
       return reportApart(m.normal, -m.depth, cache);
     }
     if (last.check.holds && isGlobal(m.normal, m.depth, last.check.margin, pair.bInA.x, pair.inner)) {

@@ -119,8 +119,8 @@ class PolyhedronLook {
   std::int32_t furthestFace(double& distance) const {
     std::int32_t best = 0;
     distance = -infinity;
-    for (std::size_t f = 0; f < t.faceNormals.size(); ++f) {
-      const double d = t.faceNormals[f].dot(c) - t.faceOffsets[f];
+    for (std::size_t f = 0; f < t.faces.size(); ++f) {
+      const double d = t.faces[f].normal.dot(c) - t.faces[f].offset;
       if (d > distance) {
         distance = d;
         best = static_cast<std::int32_t>(f);
@@ -131,13 +131,13 @@ class PolyhedronLook {
 
   bool lookAtFace(std::int32_t face, SurfacePoint& out) const {
     const auto f = static_cast<std::size_t>(face);
-    const Vec3& n = t.faceNormals[f];
-    const double distance = n.dot(c) - t.faceOffsets[f];
+    const Vec3& n = t.faces[f].normal;
+    const double distance = n.dot(c) - t.faces[f].offset;
     if (distance < 0) return false;
-    const auto begin = static_cast<std::size_t>(t.faceBegin[f]), end = static_cast<std::size_t>(t.faceBegin[f + 1]);
-    Vec3 from = corner(t.faceCorners[end - 1]);
-    for (std::size_t k = begin; k < end; ++k) {
-      const Vec3 to = corner(t.faceCorners[k]);
+    const auto corners = t.cornersOf(face);
+    Vec3 from = corner(corners.back().vertex);
+    for (const PolyhedronTables::Corner& each : corners) {
+      const Vec3 to = corner(each.vertex);
       const Vec3 edge = to - from;
       if (n.dot(edge.cross(c - from)) < -tie * edge.norm()) return false;
       from = to;
@@ -151,8 +151,8 @@ class PolyhedronLook {
     const Vec3 from = corner(e.a), along = corner(e.b) - from;
     const double s = along.dot(c - from) / along.squaredNorm();
     if (s < 0 || s > 1) return false;
-    const Vec3& left = t.faceNormals[static_cast<std::size_t>(e.faceLeft)];
-    const Vec3& right = t.faceNormals[static_cast<std::size_t>(e.faceRight)];
+    const Vec3& left = t.faces[static_cast<std::size_t>(e.faceLeft)].normal;
+    const Vec3& right = t.faces[static_cast<std::size_t>(e.faceRight)].normal;
     out = lookFromOutside(c, from + s * along, left);
     const double cosine = left.dot(right), l = out.outward.dot(left), r = out.outward.dot(right);
     return out.distance > 0 && l >= cosine * r - 1e-12 && r >= cosine * l - 1e-12 && l + r > 0;
@@ -161,10 +161,8 @@ class PolyhedronLook {
   bool lookAtVertex(std::int32_t vertex, SurfacePoint& out) const {
     const Vec3 at = corner(vertex);
     const Vec3 d = c - at;
-    const auto begin = static_cast<std::size_t>(t.neighbourBegin[static_cast<std::size_t>(vertex)]);
-    const auto end = static_cast<std::size_t>(t.neighbourBegin[static_cast<std::size_t>(vertex) + 1]);
-    for (std::size_t k = begin; k < end; ++k) {
-      if (d.dot(corner(t.neighbours[k]) - at) > 0) return false;
+    for (const PolyhedronTables::Spoke& spoke : t.spokesOf(vertex)) {
+      if (d.dot(corner(spoke.vertex) - at) > 0) return false;
     }
     out = lookFromOutside(c, at, Vec3::UnitX());
     return out.distance > 0;
@@ -178,7 +176,7 @@ class PolyhedronLook {
       const Vec3 from = corner(e.a), along = corner(e.b) - from;
       const double s = std::clamp(along.dot(c - from) / along.squaredNorm(), 0.0, 1.0);
       const SurfacePoint point =
-          lookFromOutside(c, from + s * along, t.faceNormals[static_cast<std::size_t>(e.faceLeft)]);
+          lookFromOutside(c, from + s * along, t.faces[static_cast<std::size_t>(e.faceLeft)].normal);
       if (point.distance < best.distance) best = point;
     }
     return best;
@@ -207,7 +205,7 @@ SurfacePoint searchFeatures(const PolyhedronTables& t, const PolyhedronLook& loo
   SurfacePoint out;
   if (distance <= 0) {
     cache.kind = WarmCache::cold;
-    const Vec3& n = t.faceNormals[static_cast<std::size_t>(face)];
+    const Vec3& n = t.faces[static_cast<std::size_t>(face)].normal;
     return {centre - distance * n, n, distance};
   }
   auto keep = [&](WarmCache::Kind kind, std::size_t feature) {
@@ -222,7 +220,7 @@ SurfacePoint searchFeatures(const PolyhedronTables& t, const PolyhedronLook& loo
   for (std::size_t v = 0; v < t.vertices.size(); ++v) {
     if (look.lookAtVertex(static_cast<std::int32_t>(v), out)) return keep(WarmCache::smooth, v);
   }
-  for (std::size_t f = 0; f < t.faceNormals.size(); ++f) {
+  for (std::size_t f = 0; f < t.faces.size(); ++f) {
     if (look.lookAtFace(static_cast<std::int32_t>(f), out)) return keep(WarmCache::faceOfB, f);
   }
   cache.kind = WarmCache::cold;
@@ -276,7 +274,7 @@ bool touchSpherePolyhedron(const PairView& pair, WarmCache& cache, NarrowCounts&
   if (cache.kind == WarmCache::apart && !pair.searchAlways) {
     const Vec3 d = pair.frameB.unrotate(pair.frameA.rotate(cache.direction));
     const double gap = -d.dot(centre) - pair.a.boundingRadius() +
-                       tables.vertices[static_cast<std::size_t>(climbToSupport(tables, -d, 0))].dot(d);
+                       tables.vertices[static_cast<std::size_t>(tables.climb(-d, 0))].dot(d);
     if (gap > 0) {
       ++counts.warm;
       return reportApart(cache.direction, gap, cache);

@@ -53,16 +53,14 @@ Piece makePolyhedronPiece(const PolyhedronTables& t, const PieceName& name) {
 
 /// Of the faces, then the edges, around the support vertex the one across n, else the vertex.
 PieceName namePolyhedronPiece(const PolyhedronTables& t, const Vec3& n, double nearness) {
-  const std::int32_t vertex = climbToSupport(t, n, 0);
-  const auto begin = static_cast<std::size_t>(t.vertexFaceBegin[static_cast<std::size_t>(vertex)]);
-  const auto end = static_cast<std::size_t>(t.vertexFaceBegin[static_cast<std::size_t>(vertex) + 1]);
+  const std::int32_t vertex = t.climb(n, 0);
   PieceName out{PieceName::point, vertex};
   double nearest = nearness * nearness;
-  for (std::size_t k = begin; k < end; ++k) {
-    const double off = (t.faceNormals[static_cast<std::size_t>(t.vertexFaces[k])] - n).squaredNorm();
+  for (const PolyhedronTables::Spoke& spoke : t.spokesOf(vertex)) {
+    const double off = (t.faces[static_cast<std::size_t>(spoke.face)].normal - n).squaredNorm();
     if (off >= nearest) continue;
     nearest = off;
-    out = {PieceName::face, t.vertexFaces[k]};
+    out = {PieceName::face, spoke.face};
   }
   if (out.kind == PieceName::face) return out;
 
@@ -176,11 +174,9 @@ PieceName rimOf(const Shape& shape, const PieceName& face, std::int32_t k) {
   if (face.kind != PieceName::face) return {};
   if (shape.kind() == ShapeKind::cylinder || shape.kind() == ShapeKind::cone)
     return k == 0 ? PieceName{PieceName::rim, face.index} : PieceName{};
-  const PolyhedronTables& t = tablesOf(shape);
-  const auto index = static_cast<std::size_t>(face.index);
-  const std::int32_t corner = t.faceBegin[index] + k;
-  if (corner >= t.faceBegin[index + 1]) return {};
-  return {PieceName::edge, t.cornerEdges[static_cast<std::size_t>(corner)]};
+  const auto corners = tablesOf(shape).cornersOf(face.index);
+  if (static_cast<std::size_t>(k) >= corners.size()) return {};
+  return {PieceName::edge, corners[static_cast<std::size_t>(k)].edge};
 }
 
 std::int32_t vertexOf(const Shape& shape, const PieceName& name) {
@@ -188,7 +184,7 @@ std::int32_t vertexOf(const Shape& shape, const PieceName& name) {
   const PolyhedronTables& t = tablesOf(shape);
   const auto index = static_cast<std::size_t>(name.index);
   if (name.kind == PieceName::edge) return t.edges[index].a;
-  if (name.kind == PieceName::face) return t.faceCorners[static_cast<std::size_t>(t.faceBegin[index])];
+  if (name.kind == PieceName::face) return t.cornersOf(name.index).front().vertex;
   return name.index;
 }
 

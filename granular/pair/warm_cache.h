@@ -23,7 +23,8 @@ struct KeptProof {
 struct WarmCache {
   enum Kind : std::int32_t { cold, apart, faceOfA, faceOfB, edgePair, smooth };
   std::int32_t kind = cold;
-  std::int32_t featureA = 0;  ///< face, edge or vertex index of A, by kind; smooth: code of a piece (encode), or 0
+  std::int32_t featureA = 0;  ///< face, edge or vertex index of A, by kind; apart: vertices;
+                              ///< smooth: code of a piece (encode), or 0
   std::int32_t featureB = 0;
   std::int32_t touched = 0;  ///< 1 if the last look found an overlap
   /// apart: unit separating direction from A to B in A's body axes; touching: the last normal in A's body axes.

@@ -89,8 +89,7 @@ bool measureTip(const SurfaceSide& tip, const SurfaceSide& seat, std::int32_t se
   if (!(depth > 0)) return false;
   const Vec2 apex = tip.projectPoint(vertex);
   /// Where the depth falls to 0 on the edge to another vertex.
-  const auto findEnd = [&](std::int32_t other, Vec2& end) {
-    const Vec3& far = tables.vertices[at(other)];
+  const auto findEnd = [&](const Vec3& far, Vec2& end) {
     const double there = side * (tip.heightOf(far) - level.offset);
     if (there > 0) return false;
     end = apex + depth / (depth - there) * (tip.projectPoint(far) - apex);
@@ -98,14 +97,11 @@ bool measureTip(const SurfaceSide& tip, const SurfaceSide& seat, std::int32_t se
   };
 
   Fan fan;
-  for (std::int32_t k = tables.vertexFaceBegin[at(v)]; k < tables.vertexFaceBegin[at(v) + 1]; ++k) {
-    const std::int32_t face = tables.vertexFaces[at(k)];
-    if (!tip.isSeen(face)) continue;
-    const std::int32_t begin = tables.faceBegin[at(face)], end = tables.faceBegin[at(face) + 1];
-    std::int32_t here = begin;
-    while (tables.faceCorners[at(here)] != v) ++here;
-    const std::int32_t after = tables.faceCorners[at(here + 1 == end ? begin : here + 1)];
-    const std::int32_t before = tables.faceCorners[at(here == begin ? end - 1 : here - 1)];
+  const auto spokes = tables.spokesOf(tip.deepestVertex());
+  for (std::size_t k = 0; k < spokes.size(); ++k) {
+    if (!tip.isSeen(spokes[k].face)) continue;
+    const Vec3& after = tables.vertices[at(spokes[k].vertex)];
+    const Vec3& before = tables.vertices[at(spokes[k + 1 < spokes.size() ? k + 1 : 0].vertex)];
     Vec2 from, to;
     // Seen from below, counter-clockwise runs backwards.
     if (!findEnd(side > 0 ? after : before, from) || !findEnd(side > 0 ? before : after, to)) return false;
@@ -138,29 +134,23 @@ bool findRidge(const SurfaceSide& body, double side, Ridge& ridge) {
   const std::int32_t v = body.deepestVertex();
   const Vec3& vertex = tables.vertices[at(v)];
   const double height = body.heightOf(vertex);
-  std::int32_t other = -1;
-  for (std::int32_t k = tables.neighbourBegin[at(v)]; k < tables.neighbourBegin[at(v) + 1]; ++k) {
-    const Vec3& far = tables.vertices[at(tables.neighbours[at(k)])];
+  const auto spokes = tables.spokesOf(v);
+  std::size_t level = spokes.size();
+  for (std::size_t k = 0; k < spokes.size(); ++k) {
+    const Vec3& far = tables.vertices[at(spokes[k].vertex)];
     if (std::abs(body.heightOf(far) - height) > levelSlope * (far - vertex).norm()) continue;
-    if (other >= 0) return false;
-    other = tables.neighbours[at(k)];
+    if (level < spokes.size()) return false;
+    level = k;
   }
-  if (other < 0) return false;
+  if (level == spokes.size()) return false;
 
-  // The face in which the edge runs from v to the other end lies on its left, seen from outside.
-  ridge.left = ridge.right = -1;
-  for (std::int32_t k = tables.vertexFaceBegin[at(v)]; k < tables.vertexFaceBegin[at(v) + 1]; ++k) {
-    const std::int32_t face = tables.vertexFaces[at(k)];
-    const std::int32_t begin = tables.faceBegin[at(face)], end = tables.faceBegin[at(face) + 1];
-    std::int32_t here = begin;
-    while (tables.faceCorners[at(here)] != v) ++here;
-    if (tables.faceCorners[at(here + 1 == end ? begin : here + 1)] == other) ridge.left = face;
-    if (tables.faceCorners[at(here == begin ? end - 1 : here - 1)] == other) ridge.right = face;
-  }
-  if (ridge.left < 0 || ridge.right < 0 || !body.isSeen(ridge.left) || !body.isSeen(ridge.right)) return false;
+  const auto &left = spokes[level], &right = spokes[level > 0 ? level - 1 : spokes.size() - 1];
+  if (!body.isSeen(left.face) || !body.isSeen(right.face)) return false;
+  ridge.left = left.face;
+  ridge.right = right.face;
   if (side < 0) std::swap(ridge.left, ridge.right);
   ridge.from = body.projectPoint(vertex);
-  ridge.to = body.projectPoint(tables.vertices[at(other)]);
+  ridge.to = body.projectPoint(tables.vertices[at(left.vertex)]);
   ridge.height = height;
   return true;
 }

@@ -17,8 +17,10 @@ SurfaceSide::SurfaceSide(const ContactPlane& plane, const Shape& shape, const Fr
       normal(frame.unrotate(plane.n)),
       sign(side) {
   if (shape.kind() == ShapeKind::cuboid || shape.kind() == ShapeKind::polyhedron) {
-    tables = &static_cast<const Polyhedron&>(shape).tables();
-    deepest = tables->supportVertex(sign * normal);
+    const auto& polyhedron = static_cast<const Polyhedron&>(shape);
+    tables = &polyhedron.tables();
+    const std::int32_t start = sign > 0 ? plane.nearVertexA : plane.nearVertexB;
+    deepest = start >= 0 ? tables->climb(sign * normal, start) : polyhedron.supportVertex(sign * normal);
   } else {
     showFeature(shape);
   }
@@ -49,9 +51,8 @@ int SurfaceSide::findFacesAround(std::array<std::int32_t, Feature::capacity>& ou
     out[at(count++)] = 0;
     return count;
   }
-  for (std::int32_t k = tables->vertexFaceBegin[at(deepest)]; k < tables->vertexFaceBegin[at(deepest) + 1]; ++k) {
-    const std::int32_t face = tables->vertexFaces[at(k)];
-    if (isSeen(face) && count < Feature::capacity) out[at(count++)] = face;
+  for (const PolyhedronTables::Spoke& spoke : tables->spokesOf(deepest)) {
+    if (isSeen(spoke.face) && count < Feature::capacity) out[at(count++)] = spoke.face;
   }
   return count;
 }
@@ -62,16 +63,15 @@ std::int32_t SurfaceSide::findStartFace(double slack) const {
   // largest cell.
   std::int32_t best = -1;
   double lowest = infinity, flattest = 0;
-  for (std::int32_t k = tables->vertexFaceBegin[at(deepest)]; k < tables->vertexFaceBegin[at(deepest) + 1]; ++k) {
-    const std::int32_t face = tables->vertexFaces[at(k)];
-    const Vec3& faceNormal = tables->faceNormals[at(face)];
-    const double cosine = sign * normal.dot(faceNormal);
+  for (const PolyhedronTables::Spoke& spoke : tables->spokesOf(deepest)) {
+    const PolyhedronTables::Face& plane = tables->faces[at(spoke.face)];
+    const double cosine = sign * normal.dot(plane.normal);
     if (cosine < steepestCosine) continue;
-    const double z = (tables->faceOffsets[at(face)] - faceNormal.dot(origin)) / cosine;
+    const double z = (plane.offset - plane.normal.dot(origin)) / cosine;
     if (z < lowest - slack || (z < lowest + slack && cosine > flattest)) {
       lowest = std::min(z, lowest);
       flattest = cosine;
-      best = face;
+      best = spoke.face;
     }
   }
   return best;
@@ -86,22 +86,24 @@ void SurfaceSide::projectFace(std::int32_t face, Polygon& out) const {
 
   // Of very many corners, evenly spaced ones.
   out.count = 0;
-  const std::int32_t begin = tables->faceBegin[at(face)], corners = tables->faceBegin[at(face) + 1] - begin;
-  const std::int32_t count = std::min<std::int32_t>(corners, Feature::capacity);
-  for (std::int32_t k = 0; k < count; ++k) {
+  const auto corners = tables->cornersOf(face);
+  const std::size_t count = std::min<std::size_t>(corners.size(), Feature::capacity);
+  for (std::size_t k = 0; k < count; ++k) {
     // Seen from below, counter-clockwise runs backwards, and the edge to the next corner is the one that ends here.
-    const std::int32_t order = sign > 0 ? k : count - 1 - k;
-    const std::int32_t corner = begin + (corners == count ? order : order * corners / count);
-    const std::int32_t edgeCorner = sign > 0 ? corner : (corner == begin ? begin + corners - 1 : corner - 1);
-    const PolyhedronTables::Edge& edge = tables->edges[at(tables->cornerEdges[at(edgeCorner)])];
-    const std::int32_t beyond = edge.faceLeft == face ? edge.faceRight : edge.faceLeft;
-    out.push(projectPoint(tables->vertices[at(tables->faceCorners[at(corner)])]), sign > 0 ? beyond : -2 - beyond);
+    const std::size_t order = sign > 0 ? k : count - 1 - k;
+    const std::size_t here = corners.size() == count ? order : order * corners.size() / count;
+    const Vec2 x = projectPoint(tables->vertices[at(corners[here].vertex)]);
+    if (sign > 0) {
+      out.push(x, corners[here].beyond);
+    } else {
+      out.push(x, -2 - corners[here > 0 ? here - 1 : corners.size() - 1].beyond);
+    }
   }
 }
 
 Linear SurfaceSide::findHeight(std::int32_t face) const {
   if (!tables) return height;
-  return findPlaneHeight(tables->faceNormals[at(face)], tables->faceOffsets[at(face)]);
+  return findPlaneHeight(tables->faces[at(face)].normal, tables->faces[at(face)].offset);
 }
 
 }  // namespace granular

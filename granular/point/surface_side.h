@@ -12,12 +12,15 @@ namespace granular {
 /// The plane through the middle of the deepest overlap, normal to the contact: in-plane axes u and v = n x u.
 struct ContactPlane {
   Vec3 origin, u, v, n;
+  std::int32_t nearVertexA, nearVertexB;  // where the search of a polyhedron's deepest vertex begins; -1: anywhere
 
   explicit ContactPlane(const Touch& touch)
       : origin(0.5 * (touch.onA + touch.onB)),
         u(perpendicular(touch.normal)),
         v(touch.normal.cross(u)),
-        n(touch.normal) {}
+        n(touch.normal),
+        nearVertexA(touch.nearVertexA),
+        nearVertexB(touch.nearVertexB) {}
   Vec2 project(const Vec3& p) const { return {u.dot(p - origin), v.dot(p - origin)}; }
   Vec3 lift(const Vec2& x, double height) const { return origin + x.x() * u + x.y() * v + height * n; }
 };
@@ -39,7 +42,7 @@ class SurfaceSide {
   std::int32_t findStartFace(double slack) const;
   /// True if the face is not too steep to count.
   bool isSeen(std::int32_t face) const {
-    return sign * normal.dot(tables->faceNormals[static_cast<std::size_t>(face)]) >= steepestCosine;
+    return sign * normal.dot(tables->faces[static_cast<std::size_t>(face)].normal) >= steepestCosine;
   }
   /// The corners of a face in the contact plane, counter-clockwise. An edge is named by the face f beyond it: f for
   /// body A, -2 - f for body B, noEdge where there is none.

@@ -31,11 +31,10 @@ std::vector<Vec3> shrinkPolyhedron(const PolyhedronTables& tables, double depth)
     // The point nearest to all faces that meet there: their common point where they are three.
     Mat3 sum = Mat3::Zero();
     Vec3 right = Vec3::Zero();
-    for (auto k = tables.vertexFaceBegin[v]; k < tables.vertexFaceBegin[v + 1]; ++k) {
-      const auto face = static_cast<std::size_t>(tables.vertexFaces[static_cast<std::size_t>(k)]);
-      const Vec3& n = tables.faceNormals[face];
+    for (const PolyhedronTables::Spoke& spoke : tables.spokesOf(static_cast<std::int32_t>(v))) {
+      const auto& [n, offset] = tables.faces[static_cast<std::size_t>(spoke.face)];
       sum += n * n.transpose();
-      right += (tables.faceOffsets[face] - depth) * n;
+      right += (offset - depth) * n;
     }
     corners.push_back(sum.inverse() * right);
   }

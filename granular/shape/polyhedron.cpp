@@ -22,10 +22,10 @@ void collectSlab(const PolyhedronTables& tables, const Vec3& d, double floor, st
     found.push(tables.vertices[at(highest)], d.dot(tables.vertices[at(highest)]), highest);
     for (int k = 0; k < found.size() && !found.isFull(); ++k) {
       const std::int32_t from = found[k].index;
-      for (std::int32_t j = tables.neighbourBegin[at(from)]; j < tables.neighbourBegin[at(from) + 1]; ++j) {
-        const std::int32_t v = tables.neighbours[at(j)];
-        const double height = d.dot(tables.vertices[at(v)]);
-        if (height >= floor && !found.isFull() && !found.holds(v)) found.push(tables.vertices[at(v)], height, v);
+      for (const PolyhedronTables::Spoke& spoke : tables.spokesOf(from)) {
+        const Vec3& far = tables.vertices[at(spoke.vertex)];
+        const double height = d.dot(far);
+        if (height >= floor && !found.isFull() && !found.holds(spoke.vertex)) found.push(far, height, spoke.vertex);
       }
     }
     if (!found.isFull()) return;
@@ -55,14 +55,13 @@ Polyhedron::Polyhedron(std::span<const Vec3> points, Frame* toBody) : Shape(Shap
     bounding = std::max(bounding, v.norm());
     for (const Vec3& w : topology.vertices) diameter = std::max(diameter, (v - w).squaredNorm());
   }
-  const double inner = *std::min_element(topology.faceOffsets.begin(), topology.faceOffsets.end());
+  const double inner = topology.leastOffset();
   setMeasures(solid.principal, bounding, inner, std::sqrt(diameter), distinctAxis(solid.principal.inertia, false));
 }
 
 Polyhedron::Polyhedron(const Polyhedron& source, double factor)
     : Shape(ShapeKind::polyhedron), topology(source.topology), octantVertex(source.octantVertex) {
-  for (Vec3& v : topology.vertices) v *= factor;
-  for (double& offset : topology.faceOffsets) offset *= factor;
+  topology.scale(factor);
   setScaledMeasures(source, factor);
 }
 
@@ -73,12 +72,10 @@ void Polyhedron::findOctantVertices() {
   }
 }
 
-Vec3 Polyhedron::support(const Vec3& d) const {
-  return topology.vertices[at(topology.supportVertex(d, climbStart(d)))];
-}
+Vec3 Polyhedron::support(const Vec3& d) const { return topology.vertices[at(supportVertex(d))]; }
 
 void Polyhedron::supportFeature(const Vec3& d, double slab, Feature& out) const {
-  const std::int32_t highest = topology.supportVertex(d, climbStart(d));
+  const std::int32_t highest = supportVertex(d);
   // rounding must not part the corners of one face: the slab is widened by a few units of the last place
   const double floor = d.dot(topology.vertices[at(highest)]) - slab - tolerance::onSurface * boundingRadius();
   SlabPoints found;
@@ -92,44 +89,42 @@ Vec3 Polyhedron::supportFace(const Vec3& d, double minCosine, Feature& out) cons
   // the face turned most towards d (it need not touch the support vertex, so all are looked at)
   std::size_t best = 0;
   double cosine = -2;
-  for (std::size_t f = 0; f < topology.faceNormals.size(); ++f) {
-    const double c = d.dot(topology.faceNormals[f]);
+  for (std::size_t f = 0; f < topology.faces.size(); ++f) {
+    const double c = d.dot(topology.faces[f].normal);
     if (c > cosine) {
       cosine = c;
       best = f;
     }
   }
   if (cosine >= minCosine) {
-    const std::int32_t begin = topology.faceBegin[best], n = topology.faceBegin[best + 1] - begin;
-    const std::int32_t count = std::min<std::int32_t>(n, Feature::capacity);
-    for (std::int32_t k = 0; k < count; ++k) {
-      out.push(topology.vertices[at(topology.faceCorners[at(begin + k * n / count)])]);
-    }
-    return topology.faceNormals[best];
+    const auto corners = topology.cornersOf(static_cast<std::int32_t>(best));
+    const std::size_t count = std::min<std::size_t>(corners.size(), Feature::capacity);
+    for (std::size_t k = 0; k < count; ++k) out.push(topology.vertices[at(corners[k * corners.size() / count].vertex)]);
+    return topology.faces[best].normal;
   }
 
   // the edge at the support vertex that lies flattest against the supporting plane
-  const std::int32_t top = topology.supportVertex(d, climbStart(d));
+  const std::int32_t top = supportVertex(d);
   const Vec3& vertex = topology.vertices[at(top)];
   double flattest = std::sqrt(std::max(0.0, 1 - minCosine * minCosine));
-  std::int32_t other = -1;
-  for (std::int32_t k = topology.neighbourBegin[at(top)]; k < topology.neighbourBegin[at(top) + 1]; ++k) {
-    const Vec3 along = topology.vertices[at(topology.neighbours[at(k)])] - vertex;
+  const PolyhedronTables::Spoke* other = nullptr;
+  for (const PolyhedronTables::Spoke& spoke : topology.spokesOf(top)) {
+    const Vec3 along = topology.vertices[at(spoke.vertex)] - vertex;
     const double slope = std::abs(along.dot(d)) / along.norm();
     if (slope <= flattest) {
       flattest = slope;
-      other = topology.neighbours[at(k)];
+      other = &spoke;
     }
   }
   out.push(vertex);
-  if (other >= 0) out.push(topology.vertices[at(other)]);
+  if (other) out.push(topology.vertices[at(other->vertex)]);
   return d;
 }
 
 bool Polyhedron::contains(const Vec3& p) const {
   const double slack = tolerance::onSurface * boundingRadius();
-  for (std::size_t f = 0; f < topology.faceNormals.size(); ++f) {
-    if (!(topology.faceNormals[f].dot(p) <= topology.faceOffsets[f] + slack)) return false;
+  for (std::size_t f = 0; f < topology.faces.size(); ++f) {
+    if (!(topology.faces[f].normal.dot(p) <= topology.faces[f].offset + slack)) return false;
   }
   return true;
 }
@@ -137,11 +132,10 @@ bool Polyhedron::contains(const Vec3& p) const {
 TriangleMesh Polyhedron::surface(int) const {
   TriangleMesh mesh;
   mesh.vertices = topology.vertices;
-  for (std::size_t f = 0; f < topology.faceNormals.size(); ++f) {
-    const std::int32_t begin = topology.faceBegin[f], end = topology.faceBegin[f + 1];
-    for (std::int32_t k = begin + 1; k + 1 < end; ++k) {
-      mesh.triangles.push_back(
-          {topology.faceCorners[at(begin)], topology.faceCorners[at(k)], topology.faceCorners[at(k + 1)]});
+  for (std::int32_t f = 0; f < topology.faceCount(); ++f) {
+    const auto corners = topology.cornersOf(f);
+    for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
+      mesh.triangles.push_back({corners[0].vertex, corners[k].vertex, corners[k + 1].vertex});
     }
   }
   return mesh;
@@ -156,9 +150,9 @@ Aabb Polyhedron::bounds(const Frame& frame) const {
   Aabb box;
   for (int k = 0; k < 3; ++k) {
     const Vec3 d = frame.R.row(k).transpose();
-    box.hi[k] = frame.x[k] + d.dot(topology.vertices[at(topology.supportVertex(d, climbStart(d)))]);
+    box.hi[k] = frame.x[k] + d.dot(topology.vertices[at(supportVertex(d))]);
     const Vec3 e = -d;
-    box.lo[k] = frame.x[k] + d.dot(topology.vertices[at(topology.supportVertex(e, climbStart(e)))]);
+    box.lo[k] = frame.x[k] + d.dot(topology.vertices[at(supportVertex(e))]);
   }
   return box;
 }

@@ -14,27 +14,61 @@ namespace granular {
 /// Topology and geometry of a convex polyhedron. Coplanar hull triangles are merged into one polygonal face.
 struct PolyhedronTables {
   std::vector<Vec3> vertices;
-  /// Vertex graph in CSR form: neighbours of v are neighbours[neighbourBegin[v] ... neighbourBegin[v + 1] - 1].
-  std::vector<std::int32_t> neighbourBegin, neighbours;
-  /// Faces: outward unit normal, offset (normal . x = offset on the face), corners counter-clockwise from outside, CSR.
-  std::vector<Vec3> faceNormals;
-  std::vector<double> faceOffsets;
-  std::vector<std::int32_t> faceBegin, faceCorners;
+  /// A face's plane: outward unit normal, offset (normal . x = offset on the face).
+  struct Face {
+    Vec3 normal;
+    double offset;
+  };
+  std::vector<Face> faces;
   /// Edges: end vertices (a < b) and the two faces that meet there.
   struct Edge {
     std::int32_t a, b, faceLeft, faceRight;
   };
   std::vector<Edge> edges;
-  /// Faces around each vertex, CSR.
-  std::vector<std::int32_t> vertexFaceBegin, vertexFaces;
-  /// Edge that starts at each corner of faceCorners (same indexing), so that face walks find their edges.
-  std::vector<std::int32_t> cornerEdges;
+
+  /// An edge as one of its ends sees it: the vertex at the other end, and the face between this edge and the next
+  /// spoke around the vertex, counter-clockwise from outside (the face left of the way out).
+  struct Spoke {
+    std::int32_t vertex, face;
+  };
+  /// A corner of a face: its vertex, the edge from it to the next corner, and the face beyond that edge.
+  struct Corner {
+    std::int32_t vertex, edge, beyond;
+  };
+  /// Around the vertex, counter-clockwise from outside.
+  std::span<const Spoke> spokesOf(std::int32_t vertex) const { return slice(spokes, spokeBegin, vertex); }
+  /// Around the face, counter-clockwise from outside.
+  std::span<const Corner> cornersOf(std::int32_t face) const { return slice(corners, cornerBegin, face); }
 
   int vertexCount() const { return static_cast<int>(vertices.size()); }
-  int faceCount() const { return static_cast<int>(faceNormals.size()); }
+  int faceCount() const { return static_cast<int>(faces.size()); }
 
   /// Index of the vertex furthest along d: a linear scan up to 20 vertices, hill climbing from `start` above.
   std::int32_t supportVertex(const Vec3& d, std::int32_t start = 0) const;
+  /// The same by hill climbing alone.
+  std::int32_t climb(const Vec3& d, std::int32_t start) const;
+
+  /// Of all faces, m: a ball of this radius about the origin fits inside.
+  double leastOffset() const;
+
+  /// Multiplies all lengths (factor > 0).
+  void scale(double factor);
+
+ private:
+  friend PolyhedronTables makePolyhedronTables(std::vector<Vec3>, std::span<const std::vector<std::int32_t>>);
+
+  template <class T>
+  static std::span<const T> slice(const std::vector<T>& all, const std::vector<std::int32_t>& begin, std::int32_t k) {
+    const auto from = static_cast<std::size_t>(begin[static_cast<std::size_t>(k)]);
+    return {all.data() + from, static_cast<std::size_t>(begin[static_cast<std::size_t>(k) + 1]) - from};
+  }
+  void placePlanes();
+  void linkEdges();
+  void layOutSpokes();
+
+  std::vector<std::int32_t> spokeBegin, cornerBegin;
+  std::vector<Spoke> spokes;
+  std::vector<Corner> corners;
 };
 
 /// Tables of a closed convex polyhedron from its faces, corners counter-clockwise seen from outside. Normals are
@@ -53,6 +87,8 @@ class Polyhedron : public Shape {
   Polyhedron(const Polyhedron& source, double factor);
 
   const PolyhedronTables& tables() const { return topology; }
+  /// Index of the vertex furthest along d (any length > 0).
+  std::int32_t supportVertex(const Vec3& d) const { return topology.supportVertex(d, climbStart(d)); }
 
   Vec3 support(const Vec3& d) const override;
   /// Of more than Feature::capacity vertices in the slab the deepest are kept.

@@ -10,49 +10,35 @@ namespace granular {
 
 namespace {
 
-using Edge = PolyhedronTables::Edge;
-
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
-/// Lists of one item kind per owner, flattened: (owner, item) pairs sorted by owner, order of items kept.
-void flatten(std::vector<std::pair<std::int32_t, std::int32_t>> pairs, std::size_t owners,
-             std::vector<std::int32_t>& begin, std::vector<std::int32_t>& items) {
-  std::stable_sort(pairs.begin(), pairs.end(), [](const auto& p, const auto& q) { return p.first < q.first; });
-  begin.assign(owners + 1, 0);
-  items.clear();
-  for (const auto& [owner, item] : pairs) {
-    ++begin[at(owner) + 1];
-    items.push_back(item);
-  }
-  for (std::size_t k = 0; k < owners; ++k) begin[k + 1] += begin[k];
-}
+}  // namespace
 
 /// Normals and offsets of all faces.
-void placePlanes(PolyhedronTables& tables) {
-  for (std::size_t f = 0; f + 1 < tables.faceBegin.size(); ++f) {
-    const std::span corners(tables.faceCorners.data() + tables.faceBegin[f],
-                            at(tables.faceBegin[f + 1] - tables.faceBegin[f]));
-    const Vec3 normal = polygonNormal(tables.vertices, corners);
+void PolyhedronTables::placePlanes() {
+  std::vector<std::int32_t> around;
+  for (std::size_t f = 0; f + 1 < cornerBegin.size(); ++f) {
+    around.clear();
+    for (const Corner& c : cornersOf(static_cast<std::int32_t>(f))) around.push_back(c.vertex);
+    const Vec3 normal = polygonNormal(vertices, around);
     double offset = -infinity;
-    for (std::int32_t c : corners) offset = std::max(offset, normal.dot(tables.vertices[at(c)]));
-    tables.faceNormals.push_back(normal);
-    tables.faceOffsets.push_back(offset);
+    for (std::int32_t c : around) offset = std::max(offset, normal.dot(vertices[at(c)]));
+    faces.push_back({normal, offset});
   }
 }
 
 /// Edges in ascending order of their ends. Seen from outside, faceLeft lies left of the way from a to b (there the
 /// face's corners run from a to b), faceRight right.
-void linkEdges(PolyhedronTables& tables) {
+void PolyhedronTables::linkEdges() {
   struct Side {
     std::int32_t a, b, face, corner;
     bool forward;
   };
   std::vector<Side> sides;
-  for (std::int32_t f = 0; f < tables.faceCount(); ++f) {
-    const std::int32_t begin = tables.faceBegin[at(f)], end = tables.faceBegin[at(f) + 1];
+  for (std::int32_t f = 0; f < faceCount(); ++f) {
+    const std::int32_t begin = cornerBegin[at(f)], end = cornerBegin[at(f) + 1];
     for (std::int32_t k = begin; k < end; ++k) {
-      const std::int32_t p = tables.faceCorners[at(k)];
-      const std::int32_t q = tables.faceCorners[at(k + 1 < end ? k + 1 : begin)];
+      const std::int32_t p = corners[at(k)].vertex, q = corners[at(k + 1 < end ? k + 1 : begin)].vertex;
       sides.push_back({std::min(p, q), std::max(p, q), f, k, p < q});
     }
   }
@@ -60,71 +46,100 @@ void linkEdges(PolyhedronTables& tables) {
     return std::tuple(s.a, s.b, !s.forward) < std::tuple(t.a, t.b, !t.forward);
   });
   assert(sides.size() % 2 == 0);
-  tables.cornerEdges.assign(tables.faceCorners.size(), -1);
   for (std::size_t k = 0; k + 1 < sides.size(); k += 2) {
     const Side &left = sides[k], &right = sides[k + 1];
     assert(left.a == right.a && left.b == right.b && left.forward && !right.forward);
-    tables.cornerEdges[at(left.corner)] = static_cast<std::int32_t>(tables.edges.size());
-    tables.cornerEdges[at(right.corner)] = static_cast<std::int32_t>(tables.edges.size());
-    tables.edges.push_back({left.a, left.b, left.face, right.face});
+    const auto edge = static_cast<std::int32_t>(edges.size());
+    Corner &ofLeft = corners[at(left.corner)], &ofRight = corners[at(right.corner)];
+    ofLeft.edge = ofRight.edge = edge;
+    ofLeft.beyond = right.face;
+    ofRight.beyond = left.face;
+    edges.push_back({left.a, left.b, left.face, right.face});
   }
 }
 
-}  // namespace
-
-PolyhedronTables makePolyhedronTables(std::vector<Vec3> vertices, std::span<const std::vector<std::int32_t>> faces) {
-  PolyhedronTables tables;
-  tables.vertices = std::move(vertices);
-  tables.faceBegin.push_back(0);
-  for (const auto& face : faces) {
-    tables.faceCorners.insert(tables.faceCorners.end(), face.begin(), face.end());
-    tables.faceBegin.push_back(static_cast<std::int32_t>(tables.faceCorners.size()));
-  }
-  placePlanes(tables);
-  linkEdges(tables);
-
-  std::vector<std::pair<std::int32_t, std::int32_t>> links;
-  for (const Edge& e : tables.edges) {
-    links.emplace_back(e.a, e.b);
-    links.emplace_back(e.b, e.a);
-  }
-  flatten(std::move(links), tables.vertices.size(), tables.neighbourBegin, tables.neighbours);
-  std::vector<std::pair<std::int32_t, std::int32_t>> around;
-  for (std::int32_t f = 0; f < tables.faceCount(); ++f) {
-    for (std::int32_t k = tables.faceBegin[at(f)]; k < tables.faceBegin[at(f) + 1]; ++k) {
-      around.emplace_back(tables.faceCorners[at(k)], f);
+/// Around each vertex from face to face: the edge that ends a face here begins the next spoke.
+void PolyhedronTables::layOutSpokes() {
+  /// One per corner: the spoke out of it along its face's own edge, found from vertex and face.
+  struct Way {
+    std::int32_t vertex, face, to, before;  // before: the corner ahead of it in the face
+  };
+  std::vector<Way> ways;
+  for (std::int32_t f = 0; f < faceCount(); ++f) {
+    const auto around = cornersOf(f);
+    for (std::size_t k = 0; k < around.size(); ++k) {
+      ways.push_back({around[k].vertex, f, around[(k + 1) % around.size()].vertex,
+                      around[(k + around.size() - 1) % around.size()].vertex});
     }
   }
-  flatten(std::move(around), tables.vertices.size(), tables.vertexFaceBegin, tables.vertexFaces);
+  std::sort(ways.begin(), ways.end(),
+            [](const Way& p, const Way& q) { return std::pair(p.vertex, p.face) < std::pair(q.vertex, q.face); });
+
+  for (std::size_t begin = 0; begin < ways.size();) {
+    const std::size_t from = begin;
+    while (begin < ways.size() && ways[begin].vertex == ways[from].vertex) ++begin;
+    spokeBegin.push_back(static_cast<std::int32_t>(spokes.size()));
+    for (std::size_t here = from, count = from; count < begin; ++count) {
+      const Way& way = ways[here];
+      spokes.push_back({way.to, way.face});
+      here = from;
+      while (here + 1 < begin && ways[here].to != way.before) ++here;
+    }
+  }
+  spokeBegin.push_back(static_cast<std::int32_t>(spokes.size()));
+  assert(spokeBegin.size() == vertices.size() + 1);
+}
+
+PolyhedronTables makePolyhedronTables(std::vector<Vec3> vertices, std::span<const std::vector<std::int32_t>> corners) {
+  PolyhedronTables tables;
+  tables.vertices = std::move(vertices);
+  tables.cornerBegin.push_back(0);
+  for (const auto& face : corners) {
+    for (const std::int32_t v : face) tables.corners.push_back({v, -1, -1});
+    tables.cornerBegin.push_back(static_cast<std::int32_t>(tables.corners.size()));
+  }
+  tables.placePlanes();
+  tables.linkEdges();
+  tables.layOutSpokes();
   return tables;
+}
+
+double PolyhedronTables::leastOffset() const {
+  double least = infinity;
+  for (const Face& face : faces) least = std::min(least, face.offset);
+  return least;
+}
+
+void PolyhedronTables::scale(double factor) {
+  for (Vec3& v : vertices) v *= factor;
+  for (Face& face : faces) face.offset *= factor;
 }
 
 std::int32_t PolyhedronTables::supportVertex(const Vec3& d, std::int32_t start) const {
   constexpr std::size_t scanned = 20;
-  if (vertices.size() <= scanned) {
-    std::int32_t best = 0;
-    double furthest = d.dot(vertices[0]);
-    for (std::size_t v = 1; v < vertices.size(); ++v) {
-      const double along = d.dot(vertices[v]);
-      if (along > furthest) {
-        furthest = along;
-        best = static_cast<std::int32_t>(v);
-      }
+  if (vertices.size() > scanned) return climb(d, start);
+  std::int32_t best = 0;
+  double furthest = d.dot(vertices[0]);
+  for (std::size_t v = 1; v < vertices.size(); ++v) {
+    const double along = d.dot(vertices[v]);
+    if (along > furthest) {
+      furthest = along;
+      best = static_cast<std::int32_t>(v);
     }
-    return best;
   }
+  return best;
+}
 
-  // climb to the furthest neighbour until none is further
+std::int32_t PolyhedronTables::climb(const Vec3& d, std::int32_t start) const {
   std::int32_t best = start;
   double furthest = d.dot(vertices[at(start)]);
   for (std::int32_t from = -1; from != best;) {
     from = best;
-    for (std::int32_t k = neighbourBegin[at(from)]; k < neighbourBegin[at(from) + 1]; ++k) {
-      const std::int32_t v = neighbours[at(k)];
-      const double along = d.dot(vertices[at(v)]);
+    for (const Spoke& spoke : spokesOf(from)) {
+      const double along = d.dot(vertices[at(spoke.vertex)]);
       if (along > furthest) {
         furthest = along;
-        best = v;
+        best = spoke.vertex;
       }
     }
   }

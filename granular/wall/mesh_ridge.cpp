@@ -98,9 +98,9 @@ void closeInOnSphere(const NormalFan& fan, RidgeDepth& best) {
 /// True if the segment (body axes) lies within all faces somewhere.
 bool meetsFaces(const PolyhedronTables& tables, const Vec3& a, const Vec3& b) {
   double first = 0, last = 1;
-  for (std::size_t k = 0; k < tables.faceNormals.size(); ++k) {
-    const double from = tables.faceOffsets[k] - tables.faceNormals[k].dot(a);
-    const double to = tables.faceOffsets[k] - tables.faceNormals[k].dot(b);
+  for (std::size_t k = 0; k < tables.faces.size(); ++k) {
+    const double from = tables.faces[k].offset - tables.faces[k].normal.dot(a);
+    const double to = tables.faces[k].offset - tables.faces[k].normal.dot(b);
     if (from < 0 && to < 0) return false;
     if (from < 0) first = std::max(first, from / (from - to));
     if (to < 0) last = std::min(last, from / (from - to));
@@ -222,13 +222,13 @@ double findDepth(const MeshQuery& query, const Vec3& point, Vec3& outward) {
     const PolyhedronTables& tables = static_cast<const Polyhedron&>(shape).tables();
     double least = infinity;
     std::size_t face = 0;
-    for (std::size_t k = 0; k < tables.faceNormals.size() && least > 0; ++k) {
-      const double depth = tables.faceOffsets[k] - tables.faceNormals[k].dot(local);
+    for (std::size_t k = 0; k < tables.faces.size() && least > 0; ++k) {
+      const double depth = tables.faces[k].offset - tables.faces[k].normal.dot(local);
       if (depth >= least) continue;
       least = depth;
       face = k;
     }
-    outward = query.frame.rotate(tables.faceNormals[face]);
+    outward = query.frame.rotate(tables.faces[face].normal);
     return least;
   }
   if (shape.kind() == ShapeKind::sphere) {

@@ -141,9 +141,9 @@ double findTop(const Polyhedron& shape, const Frame& frame, const ContactPlane& 
   const Vec3 from = frame.toBody(plane.lift(x, 0)), along = frame.unrotate(sign * plane.n);
   double top = infinity, bottom = -infinity;
   for (int f = 0; f < shape.tables().faceCount(); ++f) {
-    const Vec3& normal = shape.tables().faceNormals[static_cast<std::size_t>(f)];
+    const Vec3& normal = shape.tables().faces[static_cast<std::size_t>(f)].normal;
     const double cosine = normal.dot(along);
-    const double at = (shape.tables().faceOffsets[static_cast<std::size_t>(f)] - normal.dot(from)) / cosine;
+    const double at = (shape.tables().faces[static_cast<std::size_t>(f)].offset - normal.dot(from)) / cosine;
     if (cosine > 0) top = std::min(top, at);
     if (cosine < 0) bottom = std::max(bottom, at);
   }

@@ -22,31 +22,36 @@ std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
 /// All tables tell the same story.
 void expectConsistentTables(const PolyhedronTables& t) {
-  ASSERT_EQ(t.cornerEdges.size(), t.faceCorners.size());
   EXPECT_EQ(t.vertexCount() + t.faceCount(), static_cast<int>(t.edges.size()) + 2);
   for (std::int32_t f = 0; f < t.faceCount(); ++f) {
-    const std::int32_t begin = t.faceBegin[at(f)], end = t.faceBegin[at(f) + 1];
-    for (std::int32_t k = begin; k < end; ++k) {
-      const std::int32_t p = t.faceCorners[at(k)], q = t.faceCorners[at(k + 1 < end ? k + 1 : begin)];
-      const auto& edge = t.edges[at(t.cornerEdges[at(k)])];
+    const auto corners = t.cornersOf(f);
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const std::int32_t p = corners[k].vertex, q = corners[(k + 1) % corners.size()].vertex;
+      const auto& edge = t.edges[at(corners[k].edge)];
       EXPECT_EQ(edge.a, std::min(p, q));
       EXPECT_EQ(edge.b, std::max(p, q));
       EXPECT_EQ(p < q ? edge.faceLeft : edge.faceRight, f);
-      const auto around =
-          std::span(t.vertexFaces)
-              .subspan(at(t.vertexFaceBegin[at(p)]), at(t.vertexFaceBegin[at(p) + 1] - t.vertexFaceBegin[at(p)]));
-      EXPECT_EQ(std::count(around.begin(), around.end(), f), 1);
+      EXPECT_EQ(p < q ? edge.faceRight : edge.faceLeft, corners[k].beyond);
     }
-    for (const Vec3& v : t.vertices) EXPECT_LE(t.faceNormals[at(f)].dot(v), t.faceOffsets[at(f)] + 1e-14 * v.norm());
+    for (const Vec3& v : t.vertices) EXPECT_LE(t.faces[at(f)].normal.dot(v), t.faces[at(f)].offset + 1e-14 * v.norm());
   }
-  EXPECT_EQ(t.vertexFaces.size(), t.faceCorners.size());
-  EXPECT_EQ(t.neighbours.size(), 2 * t.edges.size());
-  for (const auto& e : t.edges) {
-    const auto ofA =
-        std::span(t.neighbours)
-            .subspan(at(t.neighbourBegin[at(e.a)]), at(t.neighbourBegin[at(e.a) + 1] - t.neighbourBegin[at(e.a)]));
-    EXPECT_EQ(std::count(ofA.begin(), ofA.end(), e.b), 1);
+  std::size_t spokeCount = 0;
+  for (std::int32_t v = 0; v < t.vertexCount(); ++v) {
+    const auto spokes = t.spokesOf(v);
+    spokeCount += spokes.size();
+    for (std::size_t k = 0; k < spokes.size(); ++k) {
+      const auto &here = spokes[k], &next = spokes[(k + 1) % spokes.size()];
+      // The face runs from the next spoke's end through the vertex to this spoke's end.
+      const auto corners = t.cornersOf(here.face);
+      const std::size_t n = corners.size();
+      std::size_t c = 0;
+      while (c < n && corners[c].vertex != v) ++c;
+      ASSERT_LT(c, n);
+      EXPECT_EQ(corners[(c + 1) % n].vertex, here.vertex);
+      EXPECT_EQ(corners[(c + n - 1) % n].vertex, next.vertex);
+    }
   }
+  EXPECT_EQ(spokeCount, 2 * t.edges.size());
 }
 
 TEST(Polyhedron, TablesAgreeWithEachOther) {
