@@ -17,7 +17,7 @@ constexpr std::string_view none = "none: only what happens";
 /// One row per scene; a new scene is a row, a function that builds it and, if need be, one that judges it.
 const std::array<ComparisonScene, 11> scenes = {{
     {"tower", "20 cubes stand where they were put",
-     "statics: every centre of mass above is over the face below, by 40 times the offsets", shift,
+     "statics: offsets of .01 a keep every centre of mass above well inside the face below", shift,
      [](double a) { return buildCubeTower(a, towerCubes); }, judgeStanding},
     {"brick_wall", "8 courses of running bond stand where they were put",
      "statics: each brick carries vertical forces only", shift, [](double a) { return buildBrickWall(a, wallCourses); },
