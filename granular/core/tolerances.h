@@ -10,6 +10,18 @@ inline constexpr double tie = 1e-12;
 /// Relative to the pair's size: largest gap between the upper and the lower bound of a certified overlap.
 inline constexpr double certificate = 1e-9;
 
+/// Relative to the overlap: what is left between the bounds where a whole circle of directions has the same least depth
+/// (tips or rims on a common axis), and a polytope of 256 corners in a cone is the lower bound: 1 - cos(pi/256) = 8e-5.
+/// Any direction of the circle is right to this part of the force.
+inline constexpr double coaxialCertificate = 1e-4;
+
+/// Relative to the size: beyond this overlap bodies are around each other's centre, and no force law holds.
+inline constexpr double deepOverlap = 0.25;
+
+/// Relative to the overlap, beyond deepOverlap: nearly concentric bodies have the same depth all around, and a polytope
+/// of 512 facets inscribed in a ball leaves 1 %.
+inline constexpr double deepCertificate = 0.02;
+
 /// Relative to the largest principal moment: moments closer than this are equal, and the principal axes stay as near to
 /// the axes given as they can. Neglects products of inertia below this; rounding of a mesh's moments is about 1e-14.
 inline constexpr double equalMoments = 1e-11;

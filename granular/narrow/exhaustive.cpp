@@ -93,7 +93,9 @@ void refine(const Shape& a, const Frame& frameA, const Shape& b, const Frame& fr
   }
 }
 
-ExhaustiveDepth searchNet(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, int nodes) {
+}  // namespace
+
+ExhaustiveDepth searchDirections(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, int nodes) {
   // Fibonacci's spiral covers the sphere evenly.
   std::vector<ExhaustiveDepth> net;
   for (int k = 0; k < nodes; ++k) {
@@ -119,14 +121,12 @@ ExhaustiveDepth searchNet(const Shape& a, const Frame& frameA, const Shape& b, c
   return *std::min_element(starts.begin(), starts.end(), shallower);
 }
 
-}  // namespace
-
 ExhaustiveDepth searchExhaustively(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB,
                                    int nodes) {
   const PolyhedronTables* tablesA = tablesOf(a);
   const PolyhedronTables* tablesB = tablesOf(b);
   if (tablesA && tablesB) return searchPolyhedra(*tablesA, frameA, *tablesB, frameB);
-  return searchNet(a, frameA, b, frameB, nodes);
+  return searchDirections(a, frameA, b, frameB, nodes);
 }
 
 }  // namespace granular

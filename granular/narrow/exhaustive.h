@@ -18,4 +18,8 @@ struct ExhaustiveDepth {
 ExhaustiveDepth searchExhaustively(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB,
                                    int nodes = 2000);
 
+/// The same by the net of directions alone, for any shapes: for polyhedra with more pairs of edges than can be looked
+/// at.
+ExhaustiveDepth searchDirections(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, int nodes);
+
 }  // namespace granular

@@ -128,6 +128,45 @@ void countProposal(Difference& c, const PenetrationAnswer& proposal, double leas
   if (off > flatProposalError * c.size()) ++counts.fallbacks;
 }
 
+namespace {
+
+/// The best of the minima next to a net of directions, for bodies so deep in each other that minima are many and flat.
+LocalMinimum settleFromEverywhere(Difference& c, const LocalMinimum& known) {
+  LocalMinimum best = known;
+  for (int k = 0; k < 27; ++k) {
+    const Vec3 d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    if (d.squaredNorm() == 0) continue;
+    // Axes and diagonals of A; axes of B.
+    const bool axis = d.squaredNorm() == 1;
+    for (int turned = 0; turned < 1 + axis; ++turned) {
+      const Vec3 n = turned ? c.frame().rotate(d) : Vec3(d.normalized());
+      const LocalMinimum found = settle(c, n);
+      if (found.depth < best.depth) best = found;
+    }
+  }
+  return best;
+}
+
+/// A lower bound where the polytope in C itself ran out of corners. A ball that rolls inside either shape is taken off:
+/// what is left is small and far from round, and its least depth is C's less the ball's radius.
+double boundByCores(Difference& c, const LocalMinimum& found, double tolerance, double reached) {
+  const double layerA = rollingRadius(c.shapeA()), layerB = rollingRadius(c.shapeB()), layer = layerA + layerB;
+  if (!(layer > 0 && layer < found.depth)) return reached;
+  Difference core = c;
+  core.erode(layerA, layerB);
+  const DepthBounds bounds = boundOverlap(core, found.normal, found.depth - layer, tolerance);
+  return std::max(reached, bounds.lower + layer);
+}
+
+/// The second tier of the certificate, see tolerances.h: as near as a polytope comes to bodies that are coaxial, or
+/// around each other's centre.
+bool meetsWhereMinimaAreMany(double depth, double lower, double size) {
+  const bool deep = depth > tolerance::deepOverlap * size;
+  return depth - lower <= (deep ? tolerance::deepCertificate : tolerance::coaxialCertificate) * depth;
+}
+
+}  // namespace
+
 SearchResult searchConvex(Difference& c, const Vec3& guess, const PenetrationAnswer* proposal, NarrowCounts& counts) {
   ++counts.searches;
   SearchResult out;
@@ -141,14 +180,23 @@ SearchResult searchConvex(Difference& c, const Vec3& guess, const PenetrationAns
   // Both bounds. A better direction than the one at hand is polished, and the bounds are drawn again around it.
   bool certified = false;
   bool replaced = false;
+  double lower = 0;
   for (int round = 0; round < 4 && !certified && out.minimum.depth > 0; ++round) {
     const DepthBounds bounds = boundOverlap(c, out.minimum.normal, out.minimum.depth, tolerance);
     certified = bounds.met;
+    lower = std::max(lower, bounds.lower);
     if (!(bounds.upper < out.minimum.depth)) break;
     const LocalMinimum polished = settle(c, bounds.normal);
     if (!(polished.depth < out.minimum.depth)) break;
     replaced = replaced || polished.depth < out.minimum.depth - tolerance;
     out.minimum = polished;
+  }
+  if (!certified && out.minimum.depth > 0) {
+    const double before = out.minimum.depth;
+    out.minimum = settleFromEverywhere(c, out.minimum);
+    replaced = replaced || out.minimum.depth < before - tolerance;
+    lower = boundByCores(c, out.minimum, tolerance, lower);
+    certified = out.minimum.depth - lower <= tolerance || meetsWhereMinimaAreMany(out.minimum.depth, lower, c.size());
   }
   out.apart = !(out.minimum.depth > 0);
   if (out.apart) return out;
