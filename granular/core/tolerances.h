@@ -11,9 +11,9 @@ inline constexpr double tie = 1e-12;
 inline constexpr double certificate = 1e-9;
 
 /// Relative to the overlap: what is left between the bounds where a whole circle of directions has the same least depth
-/// (tips or rims on a common axis), and a polytope of 256 corners in a cone is the lower bound: 1 - cos(pi/256) = 8e-5.
-/// Any direction of the circle is right to this part of the force.
-inline constexpr double coaxialCertificate = 1e-4;
+/// (tips or rims on a common axis). The lower bound is then a polytope of 256 corners in a cone, half of them spent on
+/// the circle: 1 - cos(pi/128) = 3e-4. Any direction of the circle is right to this part of the force.
+inline constexpr double coaxialCertificate = 4e-4;
 
 /// Relative to the size: beyond this overlap bodies are around each other's centre, and no force law holds.
 inline constexpr double deepOverlap = 0.25;

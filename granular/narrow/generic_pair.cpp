@@ -26,7 +26,36 @@ constexpr double namedNearness = 1e-5;
 /// The same for a guess, such as the direction of a gap, which is only good to the precision asked for.
 constexpr double guessNearness = 0.05;
 
-/// The minimum that the two pieces make next to the direction n; where they are a face that does not hold, its rim.
+bool isLine(const PieceName& name) {
+  return name.kind == PieceName::edge || name.kind == PieceName::side || name.kind == PieceName::slope;
+}
+
+/// Two lines along each other have no common normal: an end of one over the other line makes the minimum, and where
+/// several do, the middle between the outermost of them is the place.
+PieceMinimum findMinimumAlong(Difference& c, const PieceName& a, const PieceName& b, const Vec3& n) {
+  const double roundOff = 4 * std::numeric_limits<double>::epsilon() * c.extent();
+  PieceMinimum out;
+  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
+  for (int k = 0; k < 4; ++k) {
+    const PieceName nameA = k < 2 ? endOf(c.shapeA(), a, k == 1) : a;
+    const PieceName nameB = k < 2 ? b : endOf(c.shapeB(), b, k == 3);
+    const PieceMinimum found = findPieceMinimum(c, nameA, nameB, n);
+    if (!found.holds || (out.holds && found.minimum.depth > out.minimum.depth + roundOff)) continue;
+    if (!out.holds || found.minimum.depth < out.minimum.depth - roundOff) {
+      out = found;
+      from = to = found.minimum.onA;
+    } else if ((found.minimum.onA - from).squaredNorm() > (to - from).squaredNorm()) {
+      to = found.minimum.onA;
+    }
+  }
+  const Vec3 aside = 0.5 * (from + to) - out.minimum.onA;
+  out.minimum.onA += aside;
+  out.minimum.onB += aside;
+  return out;
+}
+
+/// The minimum that the two pieces make next to the direction n; where they are a face that does not hold, its rim, and
+/// where they are lines along each other, their ends.
 PieceMinimum findNamedMinimum(Difference& c, const PieceName& a, const PieceName& b, const Vec3& n) {
   PieceMinimum out = findPieceMinimum(c, a, b, n);
   for (std::int32_t k = 0; !out.holds; ++k) {
@@ -35,6 +64,7 @@ PieceMinimum findNamedMinimum(Difference& c, const PieceName& a, const PieceName
     if (rimA.kind != PieceName::unknown) out = findPieceMinimum(c, rimA, b, n);
     if (!out.holds && rimB.kind != PieceName::unknown) out = findPieceMinimum(c, a, rimB, n);
   }
+  if (!out.holds && isLine(a) && isLine(b)) out = findMinimumAlong(c, a, b, n);
   return out;
 }
 
