@@ -139,7 +139,9 @@ def draw_work(scenes, rows, path):
                and (r["engine"] == "bullet" or close(r["unit_m"], 0.003))]
         series = [(f"Bullet, {n} iterations", "#000000" if n == 10 else "#666666", "s",
                    [r for r in own if r["iterations"] == n]) for n in (10, 50)]
-        series += [(rule, COLOURS[rule], "o", [r for r in own if r["rule"] == rule]) for rule in RULES]
+        # Of one softness the row with the smallest step.
+        finest = {(r["rule"], r["softness"]): r for r in sorted(own, key=lambda r: -r["dt_s"])}
+        series += [(rule, COLOURS[rule], "o", [r for (name, _), r in finest.items() if name == rule]) for rule in RULES]
         for name, colour, marker, points in series:
             points = sorted(points, key=cost)
             x, y = [cost(r) for r in points], [max(r["error"], 1e-12) for r in points]
@@ -152,10 +154,10 @@ def draw_work(scenes, rows, path):
         axis.grid(alpha=0.3)
     for axis in axes[:, 0]:
         axis.set_ylabel("error", fontsize=8)
-    figure.supxlabel("run time per sqrt(a/g), s (filled: as theory says)", fontsize=9)
+    figure.suptitle("error against run time per sqrt(a/g), s (filled: as theory says)", fontsize=10)
     handles, labels = axes.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower right", fontsize=8, ncol=2)
-    figure.tight_layout()
+    figure.legend(handles, labels, loc="lower center", fontsize=8, ncol=9, columnspacing=1)
+    figure.tight_layout(rect=(0, 0.03, 1, 1))
     figure.savefig(path, dpi=85)
 
 
