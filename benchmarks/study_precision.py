@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Error against run time: rotations and whole beds.
+"""Error against run time: rotations, single impacts and whole beds.
 
-usage: study_precision.py --build build/release --out DIR [--part rotations|beds|all] [--count N] [--seeds S]
+usage: study_precision.py --build build/release --out DIR [--part rotations|impacts|beds|all] [--count N] [--seeds S]
 
-DIR/rotations.csv comes from the benchmark of the same name; DIR/beds/<name>/result.json from the
+DIR/rotations.csv and DIR/impacts.csv come from the benchmarks of the same name; DIR/beds/<name>/result.json from the
 demo packing, one run per step (fraction of the contact time), stiffness and seed. What is there is not done again, so
 that a study that was stopped goes on where it was; a bed that was interrupted is resumed from its checkpoint. The time
 of a run is the processor's (DIR/beds/<name>/processor.json); of a resumed one it is that of the last part, and says so. plots/plot_precision.py makes tables and plots.
@@ -94,14 +94,14 @@ def main():
     parser = argparse.ArgumentParser(description="Error against run time.")
     parser.add_argument("--build", required=True, help="folder of the build")
     parser.add_argument("--out", required=True, help="folder of the results")
-    parser.add_argument("--part", default="all", choices=["rotations", "beds", "all"])
+    parser.add_argument("--part", default="all", choices=["rotations", "impacts", "beds", "all"])
     parser.add_argument("--count", type=int, default=200, help="cubes of a bed")
     parser.add_argument("--seeds", type=int, default=3, help="beds per point")
     parser.add_argument("--time", type=float, default=1.0, help="simulated at most, s")
     options = parser.parse_args()
     os.makedirs(options.out, exist_ok=True)
     good = True
-    for name in ("rotations",):
+    for name in ("rotations", "impacts"):
         if options.part in (name, "all"):
             good = run_benchmark(options, name) and good
     if options.part in ("beds", "all"):
