@@ -1,6 +1,7 @@
-"""Draws a scanned mesh and the convex body made of it, side by side at the same scale.
+"""Draws a scanned mesh and the convex body (or the clump of spheres) made of it, side by side at the same scale.
 
-Usage: render_rock.py FOLDER    (reads mesh.stl, body.stl and report.json there, writes rock.png)
+Usage: render_rock.py FOLDER          (reads mesh.stl, body.stl and report.json there, writes rock.png)
+       render_rock.py FOLDER clump    (reads mesh.stl, clump.stl, clump.json and report.json, writes rock_clump.png)
 Needs Debian's python3-vtk9 and a display (xvfb-run -a).
 """
 
@@ -173,14 +174,21 @@ def captions(report):
     return left, right
 
 
+def clump_caption(fit):
+    """Two lines on a fit by spheres: how many, and what they miss."""
+    return (f"{fit['spheres']} spheres   inside only one of the two {100 * fit['symmetric_difference']:.2g} %\n"
+            f"volume {100 * fit['volume_error']:+.2f} %   surface {100 * fit['area_error']:+.2f} %"
+            f"   inertia {100 * fit['inertia_error']:.2g} %")
+
+
 def main():
-    if len(sys.argv) != 2:
+    if len(sys.argv) not in (2, 3) or sys.argv[2:] not in ([], ["clump"]):
         sys.exit(__doc__)
-    folder = sys.argv[1]
+    folder, of_clump = sys.argv[1], len(sys.argv) == 3
     with open(os.path.join(folder, "report.json"), encoding="utf-8") as file:
         report = json.load(file)
     mesh = read_surface(os.path.join(folder, "mesh.stl"))
-    body = read_surface(os.path.join(folder, "body.stl"))
+    body = read_surface(os.path.join(folder, "clump.stl" if of_clump else "body.stl"))
 
     # Looking along the shortest axis, the longest one across, tilted so that depth shows.
     right, up, towards = principal_axes(body)
@@ -201,8 +209,11 @@ def main():
     window.SetMultiSamples(8)
     window.SetSize(WIDTH, HEIGHT)
     left_text, right_text = captions(report)
+    if of_clump:
+        with open(os.path.join(folder, "clump.json"), encoding="utf-8") as file:
+            right_text = clump_caption(json.load(file))
     panels = ((mesh, (0.72, 0.67, 0.60), True, False, 0.0, "mesh", left_text),
-              (body, (0.50, 0.66, 0.82), False, True, 0.5, "convex body", right_text))
+              (body, (0.50, 0.66, 0.82), of_clump, not of_clump, 0.5, "clump" if of_clump else "convex body", right_text))
     for surface, colour, smooth, edges, x, name, text in panels:
         renderer = vtk.vtkRenderer()
         renderer.SetViewport(x, 0, x + 0.5, 1)
@@ -247,7 +258,7 @@ def main():
     grab.SetInput(window)
     grab.ReadFrontBufferOff()
     writer = vtk.vtkPNGWriter()
-    writer.SetFileName(os.path.join(folder, "rock.png"))
+    writer.SetFileName(os.path.join(folder, "rock_clump.png" if of_clump else "rock.png"))
     writer.SetInputConnection(grab.GetOutputPort())
     writer.Write()
 

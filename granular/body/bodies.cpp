@@ -6,12 +6,12 @@ std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape) {
   const MassProperties& unit = bodyShape.massProperties();
   x.push_back(body.pose.x);
   q.push_back(body.pose.q.normalized());
-  v.push_back(body.velocity);
-  w.push_back(body.spin);
-  vHalf.push_back(body.velocity);
-  wHalf.push_back(q.back().conjugate() * body.spin);
+  v.push_back(freeTranslation(body.locks, body.velocity));
+  w.push_back(freeRotation(body.locks, body.spin));
+  vHalf.push_back(v.back());
+  wHalf.push_back(q.back().conjugate() * w.back());
   qHalf.push_back(q.back());
-  spinHalf.push_back(body.spin);
+  spinHalf.push_back(w.back());
   acceleration.push_back(Vec3::Zero());
   alpha.push_back(Vec3::Zero());
   frame.emplace_back(Pose{x.back(), q.back()});
@@ -31,6 +31,8 @@ std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape) {
   material.push_back(body.material);
   id.push_back(body.id);
   state.push_back(BodyState::moving);
+  locks.push_back(body.locks);
+  someLocked = someLocked || body.locks != 0;
   listStale = true;
   return size() - 1;
 }
@@ -91,6 +93,7 @@ void Bodies::restoreDerived(const ShapeTable& shapes) {
     shape[i] = shapes[static_cast<std::size_t>(shapeIndex[i])].get();
     frame[i] = Frame(Pose{x[i], q[i]});
     boundingRadius[i] = shape[i]->boundingRadius();
+    someLocked = someLocked || locks[i] != 0;
   }
   listStale = true;
 }

@@ -16,6 +16,16 @@ using ShapeTable = std::vector<std::shared_ptr<const Shape>>;
 
 enum class BodyState : std::uint8_t { moving, frozen, asleep };
 
+/// Directions of the world in which a body may not move, as bits.
+using Locks = std::uint8_t;
+inline constexpr Locks lockTranslation(int axis) { return static_cast<Locks>(1 << axis); }
+inline constexpr Locks lockRotation(int axis) { return static_cast<Locks>(8 << axis); }
+/// What the locks leave of a velocity or force (of a spin), world axes.
+inline Vec3 freeTranslation(Locks locks, const Vec3& v) {
+  return {locks & 1 ? 0 : v.x(), locks & 2 ? 0 : v.y(), locks & 4 ? 0 : v.z()};
+}
+inline Vec3 freeRotation(Locks locks, const Vec3& w) { return freeTranslation(static_cast<Locks>(locks >> 3), w); }
+
 /// How a body enters the simulation.
 struct NewBody {
   std::int64_t id = 0;
@@ -25,6 +35,7 @@ struct NewBody {
   Pose pose;                     ///< at t_n
   Vec3 velocity = Vec3::Zero();  ///< m/s, at t_n
   Vec3 spin = Vec3::Zero();      ///< rad/s, world axes, at t_n
+  Locks locks = 0;               ///< velocity and spin lose what they forbid
 };
 
 struct Bodies {
@@ -54,9 +65,12 @@ struct Bodies {
   // Bookkeeping.
   std::vector<std::int64_t> id;  ///< stable, unique
   std::vector<BodyState> state;
+  std::vector<Locks> locks;
 
   std::size_t size() const { return x.size(); }
   bool moves(std::size_t i) const { return state[i] == BodyState::moving; }
+  /// True if any body ever had a lock.
+  bool anyLocked() const { return someLocked; }
   /// Slots of the bodies that move, ascending: the stages of motion cost nothing for the others. Listed anew by the
   /// first call after bodies came, went, or changed their state, which must not come from several threads at once.
   const std::vector<std::int32_t>& movingSlots() const;
@@ -96,6 +110,7 @@ struct Bodies {
     visit("material", material);
     visit("id", id);
     visit("state", state);
+    visit("locks", locks);
   }
 
   /// Rebuilds what follows from the state: frames, shape pointers, bounding radii.
@@ -104,6 +119,7 @@ struct Bodies {
  private:
   mutable std::vector<std::int32_t> listed;  // of movingSlots()
   mutable bool listStale = true;
+  bool someLocked = false;
 };
 
 }  // namespace granular

@@ -140,7 +140,7 @@ bool Columns::touchesWall(const Shape& shape, const Frame& frame) const {
   for (const Wall* wall : walls) {
     if (!wall->admits(frame.x)) return true;
     if (wall->clearance(frame.x, shape.boundingRadius()) >= 0) continue;
-    wall->touch({PointRule::witness, 0}, shape, frame, touches);
+    touchWall(*wall, {PointRule::witness, 0}, shape, frame, touches);
     if (!touches.empty()) return true;
   }
   return false;
@@ -187,7 +187,8 @@ bool Columns::letDown(const Shape& shape, double lowest, Frame& frame) const {
   if (!isFreeAt(start)) return false;
 
   // Down to the first pose that is not free.
-  const double step = stepOverInnerRadius * shape.innerRadius();
+  const Clump* clump = asClump(shape);
+  const double step = stepOverInnerRadius * (clump ? clump->smallestRadius() : shape.innerRadius());
   double z = start;
   while (z > end) {
     const double next = std::max(end, z - step);

@@ -114,7 +114,7 @@ void checkPoses(std::span<const PlacedShape> particles, std::span<const std::int
                           particle.shape->describe(), particle.frame.x.x(), particle.frame.x.y(), particle.frame.x.z(),
                           wall->name, wall->describe()));
       touches.clear();
-      wall->touch({PointRule::witness, 0}, *particle.shape, particle.frame, touches);
+      touchWall(*wall, {PointRule::witness, 0}, *particle.shape, particle.frame, touches);
       for (const WallTouch& touch : touches)
         require(touch.overlap <= allowed * particle.shape->size(),
                 fmt::format("particle {} ({}) overlaps the wall {} by {:.3g} m, {:.3g} of its size; allowed is {:.3g}",

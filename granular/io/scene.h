@@ -91,7 +91,9 @@ struct SizeSettings {
 };
 
 struct ParticleSettings {
-  enum class Shape { sphere, ellipsoid, cylinder, cone, cuboid, polyhedron, mesh, sand, woodchip };
+  enum class Shape { sphere, ellipsoid, cylinder, cone, cuboid, polyhedron, mesh, sand, woodchip, clump };
+  enum class Construction { spheres, ellipsoid };
+  enum class Mass { sum, smooth };
   enum class Template { sphere, ellipsoid };
   enum class Use { hull, exact };
   std::string name;  ///< default: the shape's name
@@ -101,6 +103,14 @@ struct ParticleSettings {
   Vec3 semiAxes = Vec3::Zero();     ///< ellipsoid, m
   Vec3 halfLengths = Vec3::Zero();  ///< cuboid, m
   std::vector<Vec3> vertices;       ///< polyhedron, m
+
+  // clump
+  Construction construction = Construction::spheres;  ///< as given, or on the axis of an ellipsoid
+  std::vector<double> radii;                          ///< spheres, m
+  std::vector<Vec3> centres;                          ///< spheres, m
+  double halfLength = 0, halfWidth = 0;               ///< ellipsoid: semi-axes along and across, m
+  std::int64_t spheres = 0;                           ///< ellipsoid: how many
+  Mass mass = Mass::sum;                              ///< of the spheres together, or of the smooth body they stand for
 
   // mesh: each particle takes one of the files, drawn at random.
   std::vector<std::filesystem::path> files;  ///< absolute
@@ -123,6 +133,7 @@ struct ParticleSettings {
   std::int64_t count = 0;     ///< particles; 0: by share
   double share = 0;           ///< part of insertion.count, by number
   std::string material;       ///< empty: the first material
+  std::vector<std::string> lockTranslation, lockRotation;  ///< world axes along and about which nothing moves
   SizeSettings size;
 
   int line = 0;  ///< of the group in the scene file, for messages

@@ -99,10 +99,39 @@ double closedFormReach(const ParticleSettings& p) {
       return p.length.hi / 2;
     case Shape::mesh:
       return p.extent ? p.extent->hi / 2 : 0;
+    case Shape::clump:
+      return p.construction == ParticleSettings::Construction::ellipsoid ? std::max(p.halfLength, p.halfWidth) : 0;
     case Shape::polyhedron:
       return 0;
   }
   return 0;
+}
+
+void checkClump(const ParticleSettings& p, const std::string& path, const Report& report) {
+  const bool chain = p.construction == ParticleSettings::Construction::ellipsoid;
+  const auto need = [&](bool given, const char* key) {
+    const char* construction = chain ? "ellipsoid" : "spheres";
+    if (!given) report(path, fmt::format("construction = \"{}\" needs {}", construction, key));
+  };
+  const auto refuse = [&](bool given, const char* key) {
+    const char* construction = chain ? "ellipsoid" : "spheres";
+    if (given) report(path + "." + key, fmt::format("isn't used with construction = \"{}\"", construction));
+  };
+  const auto either = [&](bool wanted, bool given, const char* key) { wanted ? need(given, key) : refuse(given, key); };
+  either(!chain, !p.radii.empty(), "radii");
+  either(!chain, !p.centres.empty(), "centres");
+  either(chain, p.halfLength > 0, "half_length");
+  either(chain, p.halfWidth > 0, "half_width");
+  either(chain, p.spheres > 0, "spheres");
+  if (!chain && p.radii.size() != p.centres.size())
+    report(path + ".centres",
+           fmt::format("{} centres for {} radii: each sphere needs both", p.centres.size(), p.radii.size()));
+  if (!chain) refuse(p.mass == ParticleSettings::Mass::smooth, "mass");
+  if (chain && p.spheres > 0 && p.spheres % 2 == 0)
+    report(path + ".spheres", fmt::format("is {}; the chain on an ellipsoid's axis needs an odd number", p.spheres));
+  if (chain && p.halfLength > 0 && p.halfLength <= p.halfWidth)
+    report(path + ".half_length", fmt::format("is {:g} m, half_width {:g} m: the ellipsoid must be longer than wide",
+                                              p.halfLength, p.halfWidth));
 }
 
 double vesselHalfWidth(const VesselSettings& vessel) {
@@ -127,6 +156,7 @@ void checkParticles(const Scene& scene, const Report& report) {
              fmt::format("the particle is larger than the vessel: it reaches {:g} m from its centre, the vessel's half "
                          "width is {:g} m",
                          reach, room));
+    if (p.shape == ParticleSettings::Shape::clump) checkClump(p, path, report);
     if (p.shape == ParticleSettings::Shape::polyhedron && p.vertices.size() < 4)
       report(path + ".vertices",
              fmt::format("a polyhedron needs at least 4 vertices, {} are given", p.vertices.size()));

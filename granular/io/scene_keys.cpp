@@ -26,8 +26,10 @@ constexpr std::string_view laws[] = {"linear", "linear_local", "tensor"};
 constexpr std::string_view pointRules[] = {"witness", "manifold",    "face_centroid", "pressure_centroid",
                                            "patch",   "stiff_patch", "foundation"};
 constexpr std::string_view integrators[] = {"seelen", "spiral"};
-constexpr std::string_view shapes[] = {"sphere",     "ellipsoid", "cylinder", "cone",    "cuboid",
-                                       "polyhedron", "mesh",      "sand",     "woodchip"};
+constexpr std::string_view shapes[] = {"sphere",     "ellipsoid", "cylinder", "cone",     "cuboid",
+                                       "polyhedron", "mesh",      "sand",     "woodchip", "clump"};
+constexpr std::string_view constructions[] = {"spheres", "ellipsoid"};
+constexpr std::string_view masses[] = {"union", "smooth"};
 constexpr std::string_view templates[] = {"sphere", "ellipsoid"};
 constexpr std::string_view uses[] = {"hull", "exact"};
 constexpr std::string_view distributions[] = {"fixed", "uniform", "normal", "lognormal", "sieve"};
@@ -162,6 +164,28 @@ void visitMadeUpKeys(KeyVisitor& v, ParticleSettings& s) {
                 s.variants, notNegative);
 }
 
+void visitClumpKeys(KeyVisitor& v, ParticleSettings& s) {
+  v.readEnum({"construction",
+              "spheres: as given by radii and centres; ellipsoid: a chain of spheres on the axis of an ellipsoid of "
+              "revolution",
+              "clump"},
+             s.construction, constructions);
+  v.readNumbers({"radii", "construction = \"spheres\": of the spheres, which may overlap", "clump"}, s.radii, D::length,
+                positive);
+  v.readPoints({"centres", "construction = \"spheres\": x, y, z of each, about any origin", "clump"}, s.centres,
+               D::length);
+  v.readNumber({"half_length", "construction = \"ellipsoid\": semi-axis along the chain", "clump"}, s.halfLength,
+               D::length, positive);
+  v.readNumber({"half_width", "construction = \"ellipsoid\": semi-axis across", "clump"}, s.halfWidth, D::length,
+               positive);
+  v.readInteger({"spheres", "construction = \"ellipsoid\": how many, an odd number", "clump"}, s.spheres, {3, 100001});
+  v.readEnum({"mass",
+              "union: volume and inertia of the spheres together, overlaps counted once; smooth: of the ellipsoid they "
+              "stand for",
+              "clump"},
+             s.mass, masses);
+}
+
 void visitParticles(KeyVisitor& v, ParticleSettings& s) {
   s.line = v.line();
   v.readKind({"shape", "of the group", "", true}, s.shape, shapes);
@@ -170,6 +194,8 @@ void visitParticles(KeyVisitor& v, ParticleSettings& s) {
   v.readInteger({"count", "particles of this group; either this or share"}, s.count, atLeastOne);
   v.readNumber({"share", "part of insertion.count, by number"}, s.share, D::none, positiveFraction);
   v.readText({"material", "default: the first material"}, s.material);
+  v.readNames({"lock_translation", "world axes along which the particles do not move"}, s.lockTranslation, directions);
+  v.readNames({"lock_rotation", "world axes about which the particles do not turn"}, s.lockRotation, directions);
   v.readNumber({"radius", "cone: of the base; sand: of the template, short half-width if an ellipsoid",
                 "sphere|cylinder|cone|sand", true},
                s.radius, D::length, positive);
@@ -177,6 +203,7 @@ void visitParticles(KeyVisitor& v, ParticleSettings& s) {
   v.readVector({"semi_axes", "half-widths along x, y, z", "ellipsoid", true}, s.semiAxes, D::length, positive);
   v.readVector({"half_lengths", "half-lengths along x, y, z", "cuboid", true}, s.halfLengths, D::length, positive);
   v.readPoints({"vertices", "points whose convex hull is the particle", "polyhedron", true}, s.vertices, D::length);
+  visitClumpKeys(v, s);
   visitMadeUpKeys(v, s);
   v.readTable({"size", "distribution of sizes; default: all alike"}, [&] { visitSize(v, s.size); });
 }

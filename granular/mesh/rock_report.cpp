@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "granular/mesh/rock.h"
+#include "granular/mesh/sphere_fit.h"
 
 namespace granular {
 namespace {
@@ -152,6 +153,36 @@ std::string reportToJson(const RockReport& r) {
   out["why_not_exact"] = r.whyNotExact.empty() ? Json() : Json(r.whyNotExact);
   out["warnings"] = r.warnings;
   return out.dump(2) + "\n";
+}
+
+std::string formatFit(const SphereFit& fit) {
+  std::string out = fmt::format(
+      "clump      {} spheres: volume {:+.3f} %, surface {:+.3f} %, inertia {:.3f} %, centre of mass {:.3f} % of the "
+      "size\n           symmetric difference {:.3f} % of the mesh; inscribed spheres left {:.3f} % empty, radii grown "
+      "by {}\n",
+      fit.spheres.size(), percent(fit.volumeError), percent(fit.areaError), percent(fit.inertiaError),
+      percent(fit.centroidShift), percent(fit.symmetricDifference), percent(fit.empty), describeLength(fit.growth));
+  if (fit.parts > 1) out += fmt::format("           the spheres are {} parts that do not touch\n", fit.parts);
+  return out;
+}
+
+std::string fitToJson(const SphereFit& fit) {
+  Json json = {{"spheres", fit.spheres.size()},
+               {"volume_error", fit.volumeError},
+               {"area_error", fit.areaError},
+               {"inertia_error", fit.inertiaError},
+               {"centroid_shift", fit.centroidShift},
+               {"symmetric_difference", fit.symmetricDifference},
+               {"empty_before_growth", fit.empty},
+               {"growth_m", fit.growth},
+               {"parts", fit.parts},
+               {"mesh_volume_m3", fit.mesh.principal.volume},
+               {"clump_volume_m3", fit.clump.principal.volume}};
+  for (const ChildSphere& child : fit.spheres) {
+    json["centres_m"].push_back({child.centre.x(), child.centre.y(), child.centre.z()});
+    json["radii_m"].push_back(child.radius);
+  }
+  return json.dump(2) + "\n";
 }
 
 }  // namespace granular

@@ -23,13 +23,14 @@ struct NarrowCounts {
   NarrowCounts& operator+=(const NarrowCounts& other);
 };
 
-/// Touching or not, by the pair's kernel, warm start included. B's frame must already hold the periodic image next to
-/// A. searchAlways: skip nothing, run the full search every time (the oracle of the switches). Returns true and fills
-/// touch when overlap > 0. Deterministic: depends on the arguments alone.
+/// Do two convex shapes touch, by the pair's kernel, warm start included. B's frame must already hold the periodic
+/// image next to A. searchAlways: skip nothing, run the full search every time (the oracle of the switches). Returns
+/// true and fills touch when overlap > 0. Deterministic: depends on the arguments alone.
 bool findTouch(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, bool searchAlways,
                WarmCache& cache, NarrowCounts& counts, Touch& touch);
 
-/// True if the two placed shapes overlap (for insertion and checks: no cache). overlap receives the depth when given.
+/// True if the two placed shapes, clumps included, overlap (for insertion and checks: no cache). overlap receives the
+/// depth when given, the deepest of all children.
 bool overlaps(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, double* overlap = nullptr);
 
 /// The depth along the unit direction n (world): an upper bound of the overlap, negative if n separates the two.

@@ -2,6 +2,7 @@
 // centre outside that point is unique; inside, the least distance to a face counts. Either way the answer is global.
 #include <algorithm>
 
+#include "granular/narrow/ball_touch.h"
 #include "granular/narrow/kernels.h"
 #include "granular/shape/cone.h"
 #include "granular/shape/cylinder.h"
@@ -232,20 +233,13 @@ SurfacePoint searchFeatures(const PolyhedronTables& t, const PolyhedronLook& loo
 bool touchSpheres(const PairView& pair, WarmCache& cache, NarrowCounts& counts, Touch& touch) {
   ++counts.warm;
   const double radiusA = pair.a.boundingRadius(), radiusB = pair.b.boundingRadius();
-  const Vec3 d = pair.frameB.x - pair.frameA.x;
-  const double distance = d.norm();
-  const Vec3 n = distance > 0 ? Vec3(d / distance) : Vec3(Vec3::UnitX());
-  const double overlap = radiusA + radiusB - distance;
-  cache.kind = overlap > 0 ? WarmCache::smooth : WarmCache::apart;
-  cache.touched = overlap > 0;
-  cache.direction = pair.frameA.unrotate(n);
-  cache.budget = std::max(0.0, -overlap);
-  if (!(overlap > 0)) return false;
-  touch.normal = n;
-  touch.overlap = overlap;
-  const Vec3 middle = pair.frameA.x + (radiusA - 0.5 * overlap) * n;
-  touch.onA = middle + 0.5 * overlap * n;
-  touch.onB = middle - 0.5 * overlap * n;
+  const BallLook look = lookAtBalls(pair.frameA.x, radiusA, pair.frameB.x, radiusB);
+  cache.kind = look.overlap > 0 ? WarmCache::smooth : WarmCache::apart;
+  cache.touched = look.overlap > 0;
+  cache.direction = pair.frameA.unrotate(look.normal);
+  cache.budget = std::max(0.0, -look.overlap);
+  if (!(look.overlap > 0)) return false;
+  fillBallTouch(look, pair.frameA.x, radiusA, touch);
   return true;
 }
 

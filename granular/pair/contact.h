@@ -5,6 +5,7 @@
 
 #include "granular/pair/contact_patch.h"
 #include "granular/pair/history.h"
+#include "granular/pair/spot.h"
 #include "granular/pair/touch.h"
 
 namespace granular {
@@ -12,7 +13,7 @@ namespace granular {
 struct Contact {
   std::int32_t pair = -1;       ///< index in PairList::pairs, or in wallPairs for walls
   std::int32_t a = -1, b = -1;  ///< body slots; b = -1 - wall for walls
-  std::int32_t spot = 0;        ///< which contact of the pair
+  Spot spot;                    ///< which contact of the pair
   double share = 1;             ///< of the stiffness, among the spots of one face
   Vec3 shift;                   ///< B's image minus its stored position, m
   Touch touch;

@@ -4,9 +4,9 @@
 
 #include <array>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
+#include "granular/pair/child_pair.h"
 #include "granular/pair/contact.h"
 #include "granular/pair/history.h"
 #include "granular/pair/manifold.h"
@@ -26,9 +26,9 @@ struct Pair {
   double quietUntil;
 };
 
-/// History of one contact among several of a pair: walls and the `manifold` rule.
+/// History of one contact among several of a pair: walls, clumps and the `manifold` rule.
 struct SpotHistory {
-  std::int32_t spot = 0;
+  Spot spot;
   ContactHistory history;
   SpringEnergy energy;
 };
@@ -39,6 +39,7 @@ struct WallPair {
   double quietUntil;               ///< as for Pair, with the wall's travel
   std::vector<SpotHistory> spots;  ///< of the contacts of the last step, by spot
   std::vector<Contact> held;       ///< the contacts of a body at rest
+  ChildList children;              ///< of a clump near the wall
 };
 
 /// What the `manifold` rule remembers of a pair.
@@ -47,12 +48,21 @@ struct ManifoldMemory {
   std::vector<SpotHistory> spots;  ///< of the contacts of the last step, by spot
 };
 
+/// What is remembered of a pair with a clump.
+struct ClumpMemory {
+  ChildList children;
+  std::vector<WarmCache> caches;   ///< one per entry of children.near; empty where balls meet balls
+  std::vector<SpotHistory> spots;  ///< of the contacts of the last step, by spot
+  std::vector<Contact> held;       ///< the contacts of a pair at rest
+};
+
 /// Memory of pairs, one slot each; freed slots are used again.
 struct PairMemory {
   std::vector<WarmCache> cache;
   std::vector<ContactHistory> history;
   std::vector<Contact> held;  ///< the last contact of a pair at rest (a < 0: none); empty unless bodies sleep
   std::vector<ManifoldMemory> manifolds;  ///< empty unless the rule is `manifold`
+  std::vector<ClumpMemory> clumps;        ///< empty unless there are clumps
   std::vector<SpringEnergy> energy;       ///< of the springs; empty unless an energy ledger is kept
   std::vector<std::int32_t> free;
 
@@ -67,18 +77,25 @@ struct PairMemory {
     cache[static_cast<std::size_t>(slot)] = WarmCache{};
     history[static_cast<std::size_t>(slot)] = ContactHistory{};
     if (static_cast<std::size_t>(slot) < manifolds.size()) manifolds[static_cast<std::size_t>(slot)] = ManifoldMemory{};
+    if (static_cast<std::size_t>(slot) < clumps.size()) clumps[static_cast<std::size_t>(slot)] = ClumpMemory{};
     if (static_cast<std::size_t>(slot) < energy.size()) energy[static_cast<std::size_t>(slot)] = SpringEnergy{};
     if (static_cast<std::size_t>(slot) < held.size()) held[static_cast<std::size_t>(slot)].a = -1;
     return slot;
   }
   void give(std::int32_t slot) { free.push_back(slot); }
 
-  /// The held contact of a pair, or null.
-  const Contact* heldOf(const Pair& pair) const {
+  /// Calls visit(contact) for every held contact of a pair.
+  template <class Visitor>
+  void visitHeld(const Pair& pair, Visitor&& visit) {
     const auto slot = static_cast<std::size_t>(pair.slot);
-    return slot < held.size() && held[slot].a >= 0 ? &held[slot] : nullptr;
+    if (slot < held.size() && held[slot].a >= 0) visit(held[slot]);
+    if (slot >= clumps.size()) return;
+    for (Contact& contact : clumps[slot].held) visit(contact);
   }
-  Contact* heldOf(const Pair& pair) { return const_cast<Contact*>(std::as_const(*this).heldOf(pair)); }
+  template <class Visitor>
+  void visitHeld(const Pair& pair, Visitor&& visit) const {
+    const_cast<PairMemory*>(this)->visitHeld(pair, [&](const Contact& contact) { visit(contact); });
+  }
 };
 
 struct PairList {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "granular/narrow/clump_pair.h"
+
 namespace granular {
 namespace {
 
@@ -20,25 +22,27 @@ void addFrozenContacts(const World& world, Bed& bed) {
   const auto frozen = [&](std::int32_t i) {
     return world.bodies.state[static_cast<std::size_t>(i)] == BodyState::frozen;
   };
+  std::vector<ChildTouch> together;
   for (const Pair& pair : list.pairs) {
     if (!frozen(pair.a) || !frozen(pair.b)) continue;
     const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
     Frame frameB = awake.frame[b];
     frameB.x += options.periods.shift(pair.image);
-    WarmCache cache;
-    NarrowCounts counts;
-    Touch touch;
-    if (!findTouch(*awake.shape[a], awake.frame[a], *awake.shape[b], frameB, true, cache, counts, touch)) continue;
-    ContactPatch patch;
-    placeContact(rule, *awake.shape[a], awake.frame[a], *awake.shape[b], frameB, touch, patch);
-    bed.contacts.push_back({pair.a, pair.b, patch.point, touch.normal, Vec3::Zero(), touch.overlap});
+    findTouches({*awake.shape[a], awake.frame[a], *awake.shape[b], frameB}, together);
+    for (const auto& [children, touch] : together) {
+      const PlacedChild childA = placeChild(*awake.shape[a], awake.frame[a], children.childA);
+      const PlacedChild childB = placeChild(*awake.shape[b], frameB, children.childB);
+      ContactPatch patch;
+      placeContact(rule, *childA.shape, childA.frame, *childB.shape, childB.frame, touch, patch);
+      bed.contacts.push_back({pair.a, pair.b, patch.point, touch.normal, Vec3::Zero(), touch.overlap});
+    }
   }
   std::vector<WallTouch> touches;
   for (std::size_t i = 0; i < awake.size(); ++i) {
     if (!frozen(static_cast<std::int32_t>(i))) continue;
     for (const auto& wall : world.walls) {
       touches.clear();
-      wall->touch(rule, *awake.shape[i], awake.frame[i], touches);
+      touchWall(*wall, rule, *awake.shape[i], awake.frame[i], touches);
       for (const WallTouch& found : touches) {
         bed.contacts.push_back(
             {static_cast<std::int32_t>(i), -1, found.patch.point, found.normal, Vec3::Zero(), found.overlap});

@@ -58,8 +58,10 @@ template <class Visitor>
 void visitHistories(const World& world, Visitor&& visit) {
   world.visitContacts([&](const Contact& contact) {
     const auto slot = static_cast<std::size_t>(world.pairs.pairs[static_cast<std::size_t>(contact.pair)].slot);
-    if (world.options.rule.rule != PointRule::manifold) return visit(contact, world.pairs.memory.history[slot]);
-    for (const SpotHistory& spot : world.pairs.memory.manifolds[slot].spots) {
+    const PairMemory& memory = world.pairs.memory;
+    const bool ofClump = contact.spot.ofClump();
+    if (!ofClump && world.options.rule.rule != PointRule::manifold) return visit(contact, memory.history[slot]);
+    for (const SpotHistory& spot : ofClump ? memory.clumps[slot].spots : memory.manifolds[slot].spots) {
       if (spot.spot == contact.spot) visit(contact, spot.history);
     }
   });

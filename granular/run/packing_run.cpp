@@ -77,11 +77,24 @@ SceneSource SceneSource::read(const std::filesystem::path& file, const std::vect
 
 Scene SceneSource::parse() const { return parseScene(text, file, overrides); }
 
+namespace {
+
+/// The world axes that a group may not move along or turn about.
+Locks locksOf(const ParticleSettings& group) {
+  Locks locks = 0;
+  for (const std::string& axis : group.lockTranslation) locks |= lockTranslation(axis[0] - 'x');
+  for (const std::string& axis : group.lockRotation) locks |= lockRotation(axis[0] - 'x');
+  return locks;
+}
+
+}  // namespace
+
 PackingRun::PackingRun(SceneSource source)
     : origin(std::move(source)), settings(origin.parse()), state(makeWorld(settings)) {
   for (const ParticleSettings& group : settings.particles) {
     materialOfGroup.push_back(settings.materialIndex(group.material));
     densityOfGroup.push_back(settings.materials[static_cast<std::size_t>(materialOfGroup.back())].density);
+    locksOfGroup.push_back(locksOf(group));
   }
   makePour();
   placePoses();
@@ -124,6 +137,7 @@ void PackingRun::placePoses() {
       body.shapeIndex = state->addShape(old.shapes[static_cast<std::size_t>(old.bodies.shapeIndex[i])]);
       body.material = settings.materialIndex(material);
       body.density = old.bodies.mass[i] / old.bodies.shape[i]->massProperties().volume;
+      body.locks = old.bodies.locks[i];
       body.pose = {old.bodies.x[i], old.bodies.q[i]};
       state->addBody(body);
     }
@@ -137,6 +151,7 @@ void PackingRun::placePoses() {
       body.shapeIndex = state->addShape(groups[group].make(groups[group].size.draw(random), random));
       body.material = materialOfGroup[group];
       body.density = densityOfGroup[group];
+      body.locks = locksOfGroup[group];
       body.pose = given.pose;
       state->addBody(body);
     }
@@ -189,6 +204,7 @@ void PackingRun::addParticle(const NewParticle& particle) {
   body.shapeIndex = state->addShape(particle.shape);
   body.material = materialOfGroup[group];
   body.density = densityOfGroup[group];
+  body.locks = locksOfGroup[group];
   body.pose = particle.pose;
   body.velocity = particle.velocity;
   state->addBody(body);

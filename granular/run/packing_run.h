@@ -97,6 +97,7 @@ class PackingRun {
   std::unique_ptr<Inserter> pour;
   std::vector<std::int32_t> materialOfGroup;
   std::vector<double> densityOfGroup;
+  std::vector<Locks> locksOfGroup;
   TimeStepBound stepBound;
   double dt = 0;
   RunProgress counters;

@@ -7,6 +7,9 @@
 #include "granular/core/errors.h"
 #include "granular/insert/made_particle.h"
 #include "granular/mesh/rock.h"
+#include "granular/shape/clump.h"
+#include "granular/shape/ellipsoid.h"
+#include "granular/shape/ellipsoid_chain.h"
 #include "granular/shape/shape_table.h"
 
 namespace granular {
@@ -46,6 +49,18 @@ SizeOptions sizeOptionsOf(const SizeSettings& size) {
   return options;
 }
 
+ShapePointer makeClump(const ParticleSettings& group) {
+  if (group.construction == ParticleSettings::Construction::ellipsoid) {
+    const double a = group.halfLength, b = group.halfWidth;
+    const std::vector<ChildSphere> chain = makeEllipsoidChain(a, b, static_cast<int>(group.spheres));
+    if (group.mass == ParticleSettings::Mass::sum) return std::make_shared<Clump>(chain);
+    return std::make_shared<Clump>(chain, Ellipsoid(Vec3(a, b, b)).massProperties());
+  }
+  std::vector<ChildSphere> spheres;
+  for (std::size_t k = 0; k < group.radii.size(); ++k) spheres.push_back({group.centres[k], group.radii[k]});
+  return std::make_shared<Clump>(spheres);
+}
+
 /// The group's shape at size 1, for the kinds that have one.
 ShapePointer makeTemplate(const ParticleSettings& group) {
   using Kind = ParticleSettings::Shape;
@@ -65,6 +80,8 @@ ShapePointer makeTemplate(const ParticleSettings& group) {
       return row("cuboid", {group.halfLengths.x(), group.halfLengths.y(), group.halfLengths.z()});
     case Kind::polyhedron:
       return std::make_shared<Polyhedron>(group.vertices);
+    case Kind::clump:
+      return makeClump(group);
     default:
       return nullptr;
   }

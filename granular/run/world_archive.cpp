@@ -57,7 +57,11 @@ void visitContacts(Archive& archive, std::vector<Contact>& rows) {
   visitField<std::int32_t>(
       archive, "b", rows, [](Contact & c) -> auto& { return c.b; });
   visitField<std::int32_t>(
-      archive, "spot", rows, [](Contact & c) -> auto& { return c.spot; });
+      archive, "spot", rows, [](Contact & c) -> auto& { return c.spot.number; });
+  visitField<std::int32_t>(
+      archive, "child_a", rows, [](Contact & c) -> auto& { return c.spot.childA; });
+  visitField<std::int32_t>(
+      archive, "child_b", rows, [](Contact & c) -> auto& { return c.spot.childB; });
   visitField<double>(
       archive, "share", rows, [](Contact & c) -> auto& { return c.share; });
   visitField<Vec3>(
@@ -111,7 +115,8 @@ void visitEnergies(Archive& archive, std::vector<SpringEnergy>& rows) {
 /// Lists of spots per row: how many each has, then all in one column.
 template <class Row>
 void visitSpots(Archive& archive, std::vector<Row>& rows) {
-  std::vector<std::int32_t> counts, spots;
+  std::vector<std::int32_t> counts;
+  std::vector<Spot> spots;
   std::vector<ContactHistory> histories;
   std::vector<SpringEnergy> energies;
   for (const Row& row : rows) {
@@ -123,7 +128,9 @@ void visitSpots(Archive& archive, std::vector<Row>& rows) {
     }
   }
   archive.visit("spot_count", counts);
-  archive.visit("spot", spots);
+  archive.visitMember("spot", spots, &Spot::number, {"", "which contact of the pair"});
+  archive.visitMember("child_a", spots, &Spot::childA, {"", "of a clump; -1: none"});
+  archive.visitMember("child_b", spots, &Spot::childB);
   visitHistory(archive, histories);
   visitEnergies(archive, energies);
   if (!archive.loading()) return;
@@ -159,6 +166,66 @@ void visitManifolds(Archive& archive, std::vector<ManifoldMemory>& rows) {
   visitSpots(archive, rows);
 }
 
+/// Lists of a clump's near children: how many each has, then all in one column.
+template <class Row>
+void visitChildren(Archive& archive, std::vector<Row>& rows) {
+  visitField<double>(
+      archive, "children_until", rows, [](Row & r) -> auto& { return r.children.validUntil; });
+  std::vector<std::int32_t> counts;
+  std::vector<ChildPair> all;
+  for (const Row& row : rows) {
+    counts.push_back(static_cast<std::int32_t>(row.children.near.size()));
+    all.insert(all.end(), row.children.near.begin(), row.children.near.end());
+  }
+  archive.visit("children_count", counts, {"", "children near each other"});
+  archive.inGroup("children", [&] {
+    archive.visitMember("a", all, &ChildPair::childA);
+    archive.visitMember("b", all, &ChildPair::childB);
+    archive.visitMember("quiet_until", all, &ChildPair::quietUntil,
+                        {"m", "sum of travels before which they can't touch"});
+  });
+  if (!archive.loading()) return;
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    for (std::int32_t n = 0; n < counts[k]; ++n) rows[k].children.near.push_back(all[next++]);
+  }
+}
+
+void visitCaches(Archive& archive, std::vector<WarmCache>& caches) {
+  archive.visitMember("kind", caches, &WarmCache::kind, {"", "what the warm start verifies"});
+  archive.visitMember("feature_a", caches, &WarmCache::featureA);
+  archive.visitMember("feature_b", caches, &WarmCache::featureB);
+  archive.visitMember("touched", caches, &WarmCache::touched);
+  archive.visitMember("direction", caches, &WarmCache::direction);
+  archive.visitMember("budget", caches, &WarmCache::budget, {"m", ""});
+  archive.visitMember("proof", caches, &WarmCache::proof, {"", "proof kept from an earlier step, float32"});
+}
+
+void visitClumps(Archive& archive, std::vector<ClumpMemory>& rows) {
+  visitCount(archive, rows);
+  visitChildren(archive, rows);
+  visitSpots(archive, rows);
+  std::vector<std::int32_t> counts, heldCounts;
+  std::vector<WarmCache> caches;
+  std::vector<Contact> held;
+  for (const ClumpMemory& row : rows) {
+    counts.push_back(static_cast<std::int32_t>(row.caches.size()));
+    caches.insert(caches.end(), row.caches.begin(), row.caches.end());
+    heldCounts.push_back(static_cast<std::int32_t>(row.held.size()));
+    held.insert(held.end(), row.held.begin(), row.held.end());
+  }
+  archive.visit("cache_count", counts);
+  archive.inGroup("caches", [&] { visitCaches(archive, caches); });
+  archive.visit("held_count", heldCounts);
+  archive.inGroup("held", [&] { visitContacts(archive, held); });
+  if (!archive.loading()) return;
+  std::size_t nextCache = 0, nextHeld = 0;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    for (std::int32_t n = 0; n < counts[k]; ++n) rows[k].caches.push_back(caches[nextCache++]);
+    for (std::int32_t n = 0; n < heldCounts[k]; ++n) rows[k].held.push_back(held[nextHeld++]);
+  }
+}
+
 void visitPairs(Archive& archive, PairList& list) {
   archive.inGroup("pairs", [&] {
     archive.visitMember("a", list.pairs, &Pair::a, {"", "slot of the body of lower id"});
@@ -171,17 +238,12 @@ void visitPairs(Archive& archive, PairList& list) {
   archive.inGroup("memory", [&] {
     PairMemory& memory = list.memory;
     visitHistory(archive, memory.history);
-    archive.visitMember("kind", memory.cache, &WarmCache::kind, {"", "what the warm start verifies"});
-    archive.visitMember("feature_a", memory.cache, &WarmCache::featureA);
-    archive.visitMember("feature_b", memory.cache, &WarmCache::featureB);
-    archive.visitMember("touched", memory.cache, &WarmCache::touched);
-    archive.visitMember("direction", memory.cache, &WarmCache::direction);
-    archive.visitMember("budget", memory.cache, &WarmCache::budget, {"m", ""});
-    archive.visitMember("proof", memory.cache, &WarmCache::proof, {"", "proof kept from an earlier step, float32"});
+    visitCaches(archive, memory.cache);
     visitEnergies(archive, memory.energy);
     archive.visit("free", memory.free);
     archive.inGroup("held", [&] { visitContacts(archive, memory.held); });
     archive.inGroup("manifolds", [&] { visitManifolds(archive, memory.manifolds); });
+    archive.inGroup("clumps", [&] { visitClumps(archive, memory.clumps); });
   });
 }
 
@@ -196,6 +258,7 @@ void visitWallPairs(Archive& archive, std::vector<WallPair>& pairs) {
         archive, "quiet_until", pairs, [](WallPair & p) -> auto& { return p.quietUntil; });
 
     visitSpots(archive, pairs);
+    visitChildren(archive, pairs);
 
     // Contacts of bodies at rest: how many each pair has, then all in one list.
     std::vector<std::int32_t> heldCount;

@@ -4,6 +4,7 @@
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <BulletCollision/CollisionShapes/btConvexInternalShape.h>
 
+#include "granular/shape/clump.h"
 #include "granular/shape/cone.h"
 #include "granular/shape/cylinder.h"
 #include "granular/shape/ellipsoid.h"
@@ -87,6 +88,13 @@ std::unique_ptr<btConvexShape> Polyhedron::makeBulletShape(double scale) const {
   for (const Vec3& v : topology.vertices) hull->addPoint(toBullet(v * scale), false);
   hull->recalcLocalAabb();
   return hull;
+}
+
+std::unique_ptr<btConvexShape> Clump::makeBulletShape(double scale) const {
+  return makeExactShape(*this, scale, [scaled = Clump(*this, scale).children()](const Vec3& d) {
+    const ChildSphere& child = highestChild(scaled, d);
+    return Vec3(child.centre + sphereSupport(child.radius, d));
+  });
 }
 
 }  // namespace granular

@@ -1,6 +1,6 @@
-// A convex shape in its body frame: origin at the centre of mass, axes along the principal axes of inertia (S
-// section 2.2). The virtual interface serves set-up, cold starts, analysis and output; kernels of the force loop take a
-// concrete type.
+// A shape in its body frame, convex but for clumps (shape/clump.h): origin at the centre of mass, axes along the
+// principal axes of inertia (S section 2.2). The virtual interface serves set-up, cold starts, analysis and output;
+// kernels of the force loop take a concrete type.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@ class btConvexShape;
 
 namespace granular {
 
-enum class ShapeKind : unsigned char { sphere, ellipsoid, cylinder, cone, cuboid, polyhedron, bullet };
-inline constexpr int shapeKindCount = 7;
+enum class ShapeKind : unsigned char { sphere, ellipsoid, cylinder, cone, cuboid, polyhedron, bullet, clump };
+inline constexpr int shapeKindCount = 8;
 
 /// A closed triangle mesh, counter-clockwise seen from outside.
 struct TriangleMesh {

@@ -7,6 +7,7 @@
 
 #include "granular/core/errors.h"
 #include "granular/shape/bullet_convex.h"
+#include "granular/shape/clump.h"
 #include "granular/shape/cone.h"
 #include "granular/shape/cylinder.h"
 #include "granular/shape/ellipsoid.h"
@@ -36,13 +37,22 @@ Made makePolyhedron(Parameters p) {
   return std::make_shared<Polyhedron>(vertices);
 }
 
-const std::array<ShapeRow, 6> rows{{
+Made makeClump(Parameters p) {
+  require(p.size() % 4 == 0, "clump: " + std::to_string(p.size()) +
+                                 " numbers given; x, y, z and radius of every sphere are needed, a multiple of 4");
+  std::vector<ChildSphere> spheres;
+  for (std::size_t k = 0; k < p.size(); k += 4) spheres.push_back({Vec3(p[k], p[k + 1], p[k + 2]), p[k + 3]});
+  return std::make_shared<Clump>(spheres);
+}
+
+const std::array<ShapeRow, 7> rows{{
     {"sphere", ShapeKind::sphere, {"radius"}, makeSphere},
     {"ellipsoid", ShapeKind::ellipsoid, {"semi-axis a", "semi-axis b", "semi-axis c"}, makeEllipsoid},
     {"cylinder", ShapeKind::cylinder, {"radius", "height"}, makeCylinder},
     {"cone", ShapeKind::cone, {"radius", "height"}, makeCone},
     {"cuboid", ShapeKind::cuboid, {"half-length x", "half-length y", "half-length z"}, makeCuboid},
     {"polyhedron", ShapeKind::polyhedron, {}, makePolyhedron},
+    {"clump", ShapeKind::clump, {}, makeClump},
 }};
 
 }  // namespace
@@ -99,6 +109,8 @@ std::shared_ptr<const Shape> scaledShape(const Shape& shape, double factor) {
       return std::make_shared<Polyhedron>(static_cast<const Polyhedron&>(shape), factor);
     case ShapeKind::bullet:
       return std::make_shared<BulletConvex>(static_cast<const BulletConvex&>(shape), factor);
+    case ShapeKind::clump:
+      return std::make_shared<Clump>(static_cast<const Clump&>(shape), factor);
   }
   throw InputError("scaling a " + shape.describe() + ": no rule for its kind");
 }

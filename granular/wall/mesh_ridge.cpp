@@ -167,6 +167,7 @@ bool meetsSegment(const Shape& shape, Vec3 a, Vec3 b) {
              });
     }
     case ShapeKind::bullet:
+    case ShapeKind::clump:
       break;
   }
   // The factor by which the shape would have to grow about its centre to hold a point is convex along the segment.

@@ -201,6 +201,7 @@ constexpr std::array<TouchVessel, shapeKindCount> vesselTable = {
     touchPolyhedron,  // cuboid
     touchPolyhedron,  // polyhedron
     touchGeneric,     // bullet
+    nullptr,          // clump: its children are spheres
 };
 
 class VesselWall final : public Wall {

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "granular/pair/child_pair.h"
 #include "granular/point/contact_point.h"
+#include "granular/shape/clump.h"
 
 namespace granular {
 
@@ -16,6 +18,7 @@ struct WallTouch {
   std::int32_t
       spot;      ///< which contact of this body with this wall: numbered by the body's geometry, never by discovery
   double share;  ///< of the stiffness among the spots of one face: 1 for a lone spot
+  std::int32_t child = -1;  ///< of a clump; -1 for a body that is none
   ContactPatch patch;
 };
 
@@ -31,7 +34,7 @@ class Wall {
  public:
   virtual ~Wall() = default;
 
-  /// Appends every contact of the placed shape, in order of spot. Thread-safe, depends on the arguments alone.
+  /// Appends every contact of the placed convex shape, in order of spot. Thread-safe, depends on the arguments alone.
   virtual void touch(const RuleOptions& rule, const Shape& shape, const Frame& frame,
                      std::vector<WallTouch>& out) const = 0;
 
@@ -47,6 +50,16 @@ class Wall {
   int material = 0;   ///< row of the material table
   WallMotion motion;  ///< at rest unless the scene moves it
 };
+
+/// Appends every contact of a placed shape, of a clump child by child.
+void touchWall(const Wall& wall, const RuleOptions& rule, const Shape& shape, const Frame& frame,
+               std::vector<WallTouch>& out);
+/// The same for one child.
+void touchWallWithChild(const Wall& wall, const RuleOptions& rule, const Clump& clump, const Frame& frame,
+                        std::int32_t child, std::vector<WallTouch>& out);
+/// Fills out with the children that may be nearer to the wall than reach (m, >= 0), in their order.
+void findChildrenNearWall(const Wall& wall, const Clump& clump, const Frame& frame, double reach,
+                          std::vector<ChildPair>& out);
 
 /// A half space: the granular side is where normal . (x - point) > 0.
 std::unique_ptr<Wall> makePlaneWall(const Vec3& point, const Vec3& normal);

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "granular/narrow/bullet_manifold.h"
+#include "granular/world/clump_contacts.h"
 #include "granular/world/stages.h"
 
 namespace granular {
@@ -39,7 +40,7 @@ void refreshWallPairs(World& world) {
       if (old < list.size() && list[old].body == body && list[old].wall == wall) {
         found.push_back(std::move(list[old++]));
       } else {
-        found.push_back({body, wall, -infinity, {}, {}});
+        found.push_back({body, wall, -infinity, {}, {}, {}});
       }
     }
   }
@@ -109,17 +110,19 @@ void sumHeldForces(World& world) {
   const Bodies& bodies = world.bodies;
   world.heldForce.assign(bodies.size(), Vec3::Zero());
   world.heldTorque.assign(bodies.size(), Vec3::Zero());
-  auto& held = world.pairs.memory.held;
-  held.resize(world.pairs.memory.cache.size());
+  PairMemory& memory = world.pairs.memory;
+  memory.held.resize(memory.cache.size());
   std::int32_t index = -1;
   for (const Pair& pair : world.pairs.pairs) {
-    Contact& contact = held[at(pair.slot)];
-    contact.pair = ++index;  // the list may have changed
-    if (contact.a < 0 || bodies.moves(at(pair.a)) || bodies.moves(at(pair.b))) continue;
-    world.heldForce[at(pair.a)] += contact.force.force;
-    world.heldTorque[at(pair.a)] += contact.torqueA;
-    world.heldForce[at(pair.b)] -= contact.force.force;
-    world.heldTorque[at(pair.b)] += contact.torqueB;
+    ++index;
+    memory.visitHeld(pair, [&](Contact& contact) {
+      contact.pair = index;  // the list may have changed
+      if (bodies.moves(at(pair.a)) || bodies.moves(at(pair.b))) return;
+      world.heldForce[at(pair.a)] += contact.force.force;
+      world.heldTorque[at(pair.a)] += contact.torqueA;
+      world.heldForce[at(pair.b)] -= contact.force.force;
+      world.heldTorque[at(pair.b)] += contact.torqueB;
+    });
   }
   index = -1;
   for (WallPair& pair : world.pairs.wallPairs) {
@@ -142,13 +145,6 @@ void startChunk(World::Chunk& chunk) {
   chunk.uncertifiedPair = -1;
 }
 
-void noteDepth(World::Chunk& chunk, double overlap, double size) {
-  if (overlap > chunk.deepest * size) {
-    chunk.deepest = overlap / size;
-    chunk.deepestContact = static_cast<std::int32_t>(chunk.contacts.size()) - 1;
-  }
-}
-
 /// Looks at one pair of bodies; appends its contact if it touches.
 void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   const Bodies& bodies = world.bodies;
@@ -157,8 +153,11 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   const std::size_t b = at(pair.b);
   std::vector<Contact>& held = world.pairs.memory.held;
   if (at(pair.slot) < held.size()) held[at(pair.slot)].a = -1;
+  const bool hasClump = world.anyClump && (asClump(*bodies.shape[a]) || asClump(*bodies.shape[b]));
+  if (hasClump) world.pairs.memory.clumps[at(pair.slot)].held.clear();
   const double travel = bodies.travel[a] + bodies.travel[b];
   if (world.options.skips.separation && travel < pair.quietUntil) return;
+  if (hasClump) return lookAtClumpPair(world, index, travel, chunk);
 
   const Vec3 shift = world.options.periods.shift(pair.image);
   Frame frameB = bodies.frame[b];
@@ -191,12 +190,12 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
     contact.pair = index;
     contact.a = pair.a;
     contact.b = pair.b;
-    contact.spot = found.spot;
+    contact.spot.number = found.spot;
     contact.share = found.share;
     contact.shift = shift;
     contact.touch = found.touch;
   }
-  noteDepth(chunk, touch.overlap, std::min(bodies.shape[a]->size(), bodies.shape[b]->size()));
+  chunk.noteDepth(touch.overlap, std::min(bodies.shape[a]->size(), bodies.shape[b]->size()));
 }
 
 /// Looks at one body near a wall; appends its contacts in the order of their spots.
@@ -209,6 +208,7 @@ void lookAtWallPair(World& world, std::int32_t index, World::Chunk& chunk) {
   if (world.options.skips.separation && travel < pair.quietUntil) return;
 
   const Wall& wall = *world.walls[at(pair.wall)];
+  if (world.anyClump && asClump(*bodies.shape[i])) return lookAtClumpAtWall(world, index, travel, chunk);
   chunk.wallTouches.clear();
   wall.touch(world.options.rule, *bodies.shape[i], bodies.frame[i], chunk.wallTouches);
   if (chunk.wallTouches.empty()) {
@@ -216,12 +216,18 @@ void lookAtWallPair(World& world, std::int32_t index, World::Chunk& chunk) {
     pair.spots.clear();
     return;
   }
+  addWallContacts(pair, index, bodies.shape[i]->size(), chunk);
+}
+
+}  // namespace
+
+void addWallContacts(const WallPair& pair, std::int32_t index, double size, World::Chunk& chunk) {
   for (const WallTouch& found : chunk.wallTouches) {
     Contact& contact = chunk.contacts.emplace_back();
     contact.pair = index;
     contact.a = pair.body;
     contact.b = -1 - pair.wall;
-    contact.spot = found.spot;
+    contact.spot = {found.spot, found.child, -1};
     contact.share = found.share;
     contact.shift = Vec3::Zero();
     contact.touch.normal = found.normal;
@@ -229,11 +235,9 @@ void lookAtWallPair(World& world, std::int32_t index, World::Chunk& chunk) {
     contact.touch.onA = found.patch.point + 0.5 * found.overlap * found.normal;
     contact.touch.onB = found.patch.point - 0.5 * found.overlap * found.normal;
     contact.patch = found.patch;
-    noteDepth(chunk, found.overlap, bodies.shape[i]->size());
+    chunk.noteDepth(found.overlap, size);
   }
 }
-
-}  // namespace
 
 void refreshPairs(double dt, World& world) {
   if (world.search.isDue(world.bodies, world.wallTravel)) {
@@ -248,6 +252,7 @@ void layOutContacts(World& world) {
   if (world.options.rule.rule == PointRule::manifold) {
     world.pairs.memory.manifolds.resize(world.pairs.memory.cache.size());
   }
+  if (world.anyClump) world.pairs.memory.clumps.resize(world.pairs.memory.cache.size());
   listActivePairs(world);
   listIncidence(world);
   listGathered(world);
@@ -295,6 +300,12 @@ void placeContactPoints(World& world) {
       const std::size_t b = at(contact.b);
       Frame frameB = bodies.frame[b];
       frameB.x += contact.shift;
+      if (contact.spot.ofClump()) {
+        const PlacedChild childA = placeChild(*bodies.shape[a], bodies.frame[a], contact.spot.childA);
+        const PlacedChild childB = placeChild(*bodies.shape[b], frameB, contact.spot.childB);
+        placeContact(rule, *childA.shape, childA.frame, *childB.shape, childB.frame, contact.touch, contact.patch);
+        continue;
+      }
       placeContact(rule, *bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB, contact.touch, contact.patch);
     }
   }
@@ -306,9 +317,14 @@ void holdContact(Contact& contact, World& world) {
     world.pairs.wallPairs[at(contact.pair)].held.push_back(contact);
     return;
   }
+  const std::size_t slot = at(world.pairs.pairs[at(contact.pair)].slot);
+  if (contact.spot.ofClump()) {
+    world.pairs.memory.clumps[slot].held.push_back(contact);
+    return;
+  }
   auto& held = world.pairs.memory.held;
   held.resize(world.pairs.memory.cache.size());
-  held[at(world.pairs.pairs[at(contact.pair)].slot)] = contact;
+  held[slot] = contact;
 }
 
 }  // namespace granular

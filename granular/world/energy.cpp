@@ -50,6 +50,7 @@ SpringEnergy& findEnergy(World& world, const Contact& contact, std::size_t nth) 
   PairMemory& memory = world.pairs.memory;
   if (contact.b < 0) return world.pairs.wallPairs[at(contact.pair)].spots[nth].energy;
   const std::size_t slot = at(world.pairs.pairs[at(contact.pair)].slot);
+  if (contact.spot.ofClump()) return memory.clumps[slot].spots[nth].energy;
   if (world.options.rule.rule == PointRule::manifold) return memory.manifolds[slot].spots[nth].energy;
   return memory.energy[slot];
 }
@@ -75,7 +76,11 @@ void bookHeld(World& world, double& normal, double& tangential) {
   };
   PairMemory& memory = world.pairs.memory;
   for (const Pair& pair : world.pairs.pairs) {
-    if (memory.heldOf(pair) != nullptr) keep(memory.energy[at(pair.slot)]);
+    bool single = false, several = false;
+    memory.visitHeld(pair, [&](const Contact& contact) { (contact.spot.ofClump() ? several : single) = true; });
+    if (single) keep(memory.energy[at(pair.slot)]);
+    if (!several) continue;
+    for (SpotHistory& spot : memory.clumps[at(pair.slot)].spots) keep(spot.energy);
   }
   for (WallPair& pair : world.pairs.wallPairs) {
     if (pair.held.empty()) continue;

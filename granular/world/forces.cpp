@@ -91,16 +91,20 @@ Encounter meet(const World& world, const Contact& contact, double dt) {
   return met;
 }
 
+/// The histories of a pair that may have several contacts.
+std::vector<SpotHistory>& spotsOf(World& world, const Contact& contact) {
+  if (contact.b < 0) return world.pairs.wallPairs[at(contact.pair)].spots;
+  const std::size_t slot = at(world.pairs.pairs[at(contact.pair)].slot);
+  PairMemory& memory = world.pairs.memory;
+  return contact.spot.ofClump() ? memory.clumps[slot].spots : memory.manifolds[slot].spots;
+}
+
 /// The history of contact k of a chunk. firstOfPair: index of the first contact of its pair, kept from call to call.
 ContactHistory& findHistory(World& world, const World::Chunk& chunk, std::size_t k, std::size_t& firstOfPair) {
   const Contact& contact = chunk.contacts[k];
-  const bool atWall = contact.b < 0;
-  PairMemory& memory = world.pairs.memory;
-  if (!atWall && world.options.rule.rule != PointRule::manifold) {
-    return memory.history[at(world.pairs.pairs[at(contact.pair)].slot)];
-  }
-  auto& spots = atWall ? world.pairs.wallPairs[at(contact.pair)].spots
-                       : memory.manifolds[at(world.pairs.pairs[at(contact.pair)].slot)].spots;
+  const bool alone = contact.b >= 0 && !contact.spot.ofClump() && world.options.rule.rule != PointRule::manifold;
+  if (alone) return world.pairs.memory.history[at(world.pairs.pairs[at(contact.pair)].slot)];
+  auto& spots = spotsOf(world, contact);
   if (k == 0 || chunk.contacts[k - 1].pair != contact.pair) {
     firstOfPair = k;
     matchSpots(spots, chunk.contacts, k);

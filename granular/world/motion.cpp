@@ -61,6 +61,33 @@ void advance(double dt, const WorldOptions& options, Bodies& bodies) {
   }
 }
 
+// With rotation locked about some world axes, Euler's equation holds along the others alone: the angular acceleration
+// is the one in the free directions F that F^T (I alpha + w x I w - T) = 0 gives; the locks supply the rest of the
+// torque, which does no work. The torque is replaced by the one that makes a free body turn like that, so that every
+// scheme of integration serves.
+void applyLocks(std::size_t first, Bodies& bodies) {
+  if (!bodies.anyLocked()) return;
+  for (const std::int32_t slot : bodies.movingSlots()) {
+    const auto i = static_cast<std::size_t>(slot);
+    const Locks locks = bodies.locks[i];
+    if (locks == 0 || i < first) continue;
+    bodies.force[i] = freeTranslation(locks, bodies.force[i]);
+    if (locks < lockRotation(0)) continue;
+    const Mat3& R = bodies.frame[i].R;
+    const Mat3 inertia = R * bodies.inertia[i].asDiagonal() * R.transpose();
+    const Vec3 gyroscopic = bodies.w[i].cross(inertia * bodies.w[i]);
+    // Locked rows and columns are replaced by the identity's, which gives them no acceleration.
+    Mat3 matrix = Mat3::Identity();
+    for (int row = 0; row < 3; ++row)
+      for (int col = 0; col < 3; ++col)
+        if (!(locks & lockRotation(row)) && !(locks & lockRotation(col))) matrix(row, col) = inertia(row, col);
+    const Vec3 alpha = matrix.inverse() * freeRotation(locks, bodies.torque[i] - gyroscopic);
+    bodies.torque[i] = inertia * freeRotation(locks, alpha) + gyroscopic;
+    // Rounding must not pile up in the locked directions.
+    bodies.wHalf[i] = bodies.qHalf[i].conjugate() * freeRotation(locks, bodies.qHalf[i] * bodies.wHalf[i]);
+  }
+}
+
 void letSleep(double dt, World& world) {
   if (!world.options.sleep.on) return;
   Bodies& bodies = world.bodies;
@@ -93,15 +120,20 @@ void startHalfSteps(World& world, double dt, std::size_t first, bool withContact
     placeContactPoints(world);
     applyForceLaws(0, world);  // no time passes: springs stay as they are
     gatherForces(world);
+  } else {
+    for (std::size_t i = first; i < bodies.size(); ++i) {
+      if (!bodies.moves(i)) continue;
+      bodies.force[i] = bodies.mass[i] * world.options.gravity;
+      bodies.torque[i] = Vec3::Zero();
+    }
   }
+  applyLocks(first, bodies);
   const RotationScheme& scheme = rotationScheme(world.options.integrator);
   for (std::size_t i = first; i < bodies.size(); ++i) {
     if (!bodies.moves(i)) continue;
-    const Vec3 force = withContacts ? bodies.force[i] : Vec3(bodies.mass[i] * world.options.gravity);
-    const Vec3 torque = withContacts ? bodies.torque[i] : Vec3(Vec3::Zero());
-    bodies.acceleration[i] = bodies.inverseMass[i] * force;
+    bodies.acceleration[i] = bodies.inverseMass[i] * bodies.force[i];
     startTranslation(dt, bodies.acceleration[i], bodies.v[i], bodies.vHalf[i]);
-    scheme.start(dt, bodies.inertia[i], bodies.inverseInertia[i], torque, bodies.q[i], bodies.w[i],
+    scheme.start(dt, bodies.inertia[i], bodies.inverseInertia[i], bodies.torque[i], bodies.q[i], bodies.w[i],
                  {bodies.qHalf[i], bodies.wHalf[i], bodies.alpha[i]});
     bodies.spinHalf[i] = bodies.qHalf[i] * bodies.wHalf[i];
   }

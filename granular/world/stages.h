@@ -23,6 +23,9 @@ void placeContactPoints(World& world);
 void applyForceLaws(double dt, World& world);
 /// Sums forces and torques on each body in the order of its pairs, gravity first.
 void gatherForces(World& world);
+/// Takes from the forces and torques of the bodies from slot `first` on what their locks forbid. Nothing unless a body
+/// has locks.
+void applyLocks(std::size_t first, Bodies& bodies);
 /// Remembers the half-step velocities before the kick. Nothing unless the energy ledger is kept.
 void rememberVelocities(World& world);
 /// Half-step velocities and orientations from the forces at t_{n+1}.

@@ -39,7 +39,8 @@ void step(World& world, double dt) {
   timer.lap(Stage::points);
   applyForceLaws(dt, world);  // rotate springs, force, couple
   timer.lap(Stage::laws);
-  gatherForces(world);  // fixed order per body
+  gatherForces(world);          // fixed order per body
+  applyLocks(0, world.bodies);  // only bodies that have some
   timer.lap(Stage::gather);
   rememberVelocities(world);                 // only for the ledger
   advance(dt, world.options, world.bodies);  // half-step velocities, q

@@ -5,9 +5,14 @@
 #include <algorithm>
 
 #include "granular/law/linear.h"
+#include "granular/shape/clump.h"
 
 namespace granular {
 namespace {
+
+/// Children of a clump that differ in height by less than this part of its size touch a flat neighbour together: about
+/// the deepest overlap of a contact that is not hit hard.
+constexpr double togetherDepth = 0.01;
 
 /// How a body gives way to a contact, 1/kg: g of its centre and its turning about the arm, and of its rocking on the
 /// area.
@@ -34,8 +39,29 @@ struct Rates {
 struct ShapeCompliance {
   Compliance worst, mean;
 };
+
+/// g of a body of unit density for a contact at a point of its surface along n, body axes.
+double giveAt(const MassProperties& unit, const Vec3& point, const Vec3& n) {
+  const Vec3 lever = point.cross(n);
+  return 1 / unit.volume + lever.dot(unit.inertia.cwiseInverse().cwiseProduct(lever));
+}
+
+/// The same for all children that touch at once where a flat neighbour presses on a clump: each is as stiff as a
+/// contact of its own.
+double giveOf(const Clump& clump, const Vec3& n) {
+  const ChildSphere& highest = highestChild(clump.children(), n);
+  const double floor = n.dot(highest.centre) + highest.radius - togetherDepth * clump.size();
+  double sum = 0;
+  for (const ChildSphere& child : clump.children()) {
+    if (n.dot(child.centre) + child.radius < floor) continue;
+    sum += giveAt(clump.massProperties(), child.centre + sphereSupport(child.radius, n), n);
+  }
+  return sum;
+}
+
 ShapeCompliance complianceOf(const Shape& shape, const RuleOptions& rule) {
   const MassProperties& unit = shape.massProperties();
+  const Clump* clump = asClump(shape);
   ShapeCompliance result;
   const int samples = 2000;
   const double golden = pi * (3 - std::sqrt(5.0));
@@ -44,12 +70,11 @@ ShapeCompliance complianceOf(const Shape& shape, const RuleOptions& rule) {
     const double z = 1 - (2 * k + 1.0) / samples;
     const double s = std::sqrt(1 - z * z);
     const Vec3 n(s * std::cos(golden * k), s * std::sin(golden * k), z);
-    const Vec3 lever = shape.support(n).cross(n);
-    const double g = 1 / unit.volume + lever.dot(unit.inertia.cwiseInverse().cwiseProduct(lever));
+    const double g = clump ? giveOf(*clump, n) : giveAt(unit, shape.support(n), n);
     result.worst.point = std::max(result.worst.point, g);
     result.mean.point += g / samples;
   }
-  if (shape.kind() == ShapeKind::sphere || shape.kind() == ShapeKind::ellipsoid) return result;
+  if (shape.kind() == ShapeKind::sphere || shape.kind() == ShapeKind::ellipsoid || clump) return result;
 
   // A patch rocks about an axis with the second moment of its area, k <s^2>/I. For a cube on its face that is half of
   // 1/m, and slender bodies keep the ratio: both s and I are measured across the axis.

@@ -18,6 +18,7 @@ World::World(const WorldOptions& chosen, MaterialTable table)
     : options(chosen), materials(std::move(table)), search(searchOptionsOf(chosen)) {}
 
 std::int32_t World::addShape(std::shared_ptr<const Shape> shape) {
+  anyClump = anyClump || shape->kind() == ShapeKind::clump;
   shapes.push_back(std::move(shape));
   return static_cast<std::int32_t>(shapes.size()) - 1;
 }
@@ -64,10 +65,10 @@ void World::removeBodies(const std::vector<bool>& gone) {
       continue;
     }
     left.push_back(pair);
-    if (Contact* held = pairs.memory.heldOf(pair)) {
-      held->a = pair.a;
-      held->b = pair.b;
-    }
+    pairs.memory.visitHeld(pair, [&pair](Contact& held) {
+      held.a = pair.a;
+      held.b = pair.b;
+    });
   }
   pairs.pairs.swap(left);
   std::vector<WallPair> leftAtWalls;

@@ -72,6 +72,12 @@ struct World {
     std::vector<WallTouch> wallTouches;
     std::vector<ContactAccount> accounts;  ///< of the contacts; empty unless the energy ledger is kept
     LedgerSums booked;
+    /// Remembers how deep the contact just added is, if it is the deepest so far; size: what overlaps are relative to.
+    void noteDepth(double overlap, double size) {
+      if (overlap <= deepest * size) return;
+      deepest = overlap / size;
+      deepestContact = static_cast<std::int32_t>(contacts.size()) - 1;
+    }
   };
   std::vector<Chunk> chunks;
   std::size_t wallChunkBegin = 0;
@@ -95,6 +101,7 @@ struct World {
   /// Sums of the contacts a body at rest has with others at rest, which keep their force; empty unless bodies sleep.
   std::vector<Vec3> heldForce, heldTorque;
   std::vector<double> load;  ///< weight plus half the sum of the contact forces of each moving body, N; for sleep alone
+  bool anyClump = false;     ///< among the shapes
   bool layoutStale = false;  ///< bodies fell asleep or woke: lay out the contacts anew
 
   EnergyLedger ledger;                           ///< of t_{n+1/2} after a step; not begun unless the options ask for it
@@ -120,7 +127,7 @@ struct World {
       }
     }
     for (const Pair& pair : pairs.pairs) {
-      if (const Contact* contact = pairs.memory.heldOf(pair)) visit(*contact);
+      pairs.memory.visitHeld(pair, visit);
     }
     for (const WallPair& pair : pairs.wallPairs) {
       for (const Contact& contact : pair.held) visit(contact);

@@ -37,6 +37,26 @@ TEST_F(BadInput, ANegativeSizeIsNamedWithItsLimit) {
   expectMentions(complaintOf(good, {"particles.0.radius=-1e-3"}), {"particles.0.radius", "-0.001", "> 0"});
 }
 
+TEST_F(BadInput, ClumpsThatCantBeMadeAreNamedWithTheReason) {
+  const auto complaint = [this](const std::string& keys) {
+    return complaintOf(narrowBox + commonText + "[[particles]]\nshape = \"clump\"\n" + keys + pour);
+  };
+  const std::string chain = "construction = \"ellipsoid\"\n";
+  const std::string size = "half_length = \"2 mm\"\nhalf_width = \"0.4 mm\"\n";
+  EXPECT_EQ(complaint(chain + size + "spheres = 11\n"), "");
+  expectMentions(complaint(""), {"particles.0", "needs radii", "needs centres"});
+  expectMentions(complaint("radii = []\ncentres = []\n"), {"particles.0", "needs radii"});
+  expectMentions(complaint("radii = [\"-1 mm\"]\ncentres = [[0, 0, 0]]\n"), {"radii", "-1 mm", "> 0"});
+  expectMentions(complaint("radii = [\"1 mm\", \"1 mm\"]\ncentres = [[0, 0, 0]]\n"), {"1 centres for 2 radii"});
+  expectMentions(complaint("radii = [\"1 mm\"]\ncentres = [[0, 0, 0]]\nspheres = 5\n"),
+                 {"particles.0.spheres", "isn't used"});
+  expectMentions(complaint(chain + size + "spheres = 12\n"), {"particles.0.spheres", "12", "odd"});
+  expectMentions(complaint(chain + size + "spheres = 9\n"),
+                 {"aspect ratio 5", "gaps", "smallest number that works is 11"});
+  expectMentions(complaint(chain + "half_length = \"1 mm\"\nhalf_width = \"1 mm\"\nspheres = 5\n"),
+                 {"particles.0.half_length", "longer than wide"});
+}
+
 TEST_F(BadInput, AMassOfZeroIsNamed) {
   const std::string material = "[[material]]\nname = \"glass\"\ndensity = 0\n";
   expectMentions(complaintOf(good + material), {"scene.toml:", "material.0.density", "> 0"});

@@ -157,6 +157,29 @@ TEST_F(Resume, ARunStartedFromABedEndsInTheSameBits) {
   expectSameAt(0.02, 0.0113, tilted + narrowBox + commonText + spheres + bed + settle("none"));
 }
 
+TEST_F(Resume, ClumpsAmongOthersEndInTheSameBits) {
+  const std::string clumps = R"(
+[[particles]]
+shape = "clump"
+radii = ["1 mm", "1.2 mm", "0.8 mm"]
+centres = [["0 mm", "0 mm", "0 mm"], ["1.5 mm", "0 mm", "0 mm"], ["2 mm", "1.4 mm", "0.3 mm"]]
+share = 0.4
+[[particles]]
+shape = "clump"
+construction = "ellipsoid"
+half_length = "2 mm"
+half_width = "1 mm"
+spheres = 7
+mass = "smooth"
+share = 0.3
+[[particles]]
+shape = "cuboid"
+half_lengths = ["1.2 mm", "1.2 mm", "1.5 mm"]
+share = 0.3
+)";
+  expectSameEnd(narrowBox + commonText + clumps + batches + settle("sleep"), stops);
+}
+
 TEST_F(Resume, TheEnergyLedgerEndsInTheSameBits) {
   expectSameAt(0.06, 0.0471, narrowBox + commonText + mixture + few + settle("sleep"), {"output.energy=true"});
 }

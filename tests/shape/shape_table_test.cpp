@@ -23,6 +23,7 @@ TEST(ShapeTable, EveryRowMakesItsKind) {
   for (const ShapeRow& row : shapeTable()) {
     std::vector<double> parameters(row.parameters.size(), 2e-3);
     if (row.kind == ShapeKind::polyhedron) parameters = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    if (row.kind == ShapeKind::clump) parameters = {0, 0, 0, 1, 1, 0, 0, 0.8};
     const auto shape = makeShape(row.name, parameters);
     EXPECT_EQ(shape->kind(), row.kind);
     EXPECT_NE(shape->describe().find(row.name), std::string::npos);
@@ -37,6 +38,8 @@ TEST(ShapeTable, RefusalsNameShapeParameterValueAndLimit) {
   EXPECT_NE(refusal("cuboid", {1, std::nan(""), 1}).find("half-length y is nan"), std::string::npos);
   EXPECT_NE(refusal("ellipsoid", {1, 1}).find("2 parameters given, 3 needed (semi-axis a"), std::string::npos);
   EXPECT_NE(refusal("polyhedron", {1, 2, 3}).find("3 coordinates given"), std::string::npos);
+  EXPECT_NE(refusal("clump", {1, 2, 3}).find("3 numbers given"), std::string::npos);
+  EXPECT_EQ(refusal("clump", {}), "clump: no spheres given; at least one is needed");
   EXPECT_NE(refusal("polyhedron", {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}).find("plane"), std::string::npos);
 }
 
@@ -47,6 +50,9 @@ TEST(ShapeTable, ScaledShapesAreTheSameBodyAtAnotherSize) {
     for (double& p : parameters) p = random.uniform(1e-3, 3e-3);
     if (row.kind == ShapeKind::polyhedron) {
       for (int k = 0; k < 90; ++k) parameters.push_back(random.uniform(-1e-3, 1e-3));
+    }
+    if (row.kind == ShapeKind::clump) {
+      for (int k = 0; k < 40; ++k) parameters.push_back(random.uniform(k % 4 == 3 ? 0.1e-3 : -1e-3, 1e-3));
     }
     const auto shape = makeShape(row.name, parameters);
     for (double factor : {0.01, 3.0}) {

@@ -1,0 +1,29 @@
+// Two balls: the one closed form that spheres and the children of clumps share, so that a clump of one sphere moves as
+// the sphere does, bit for bit.
+#pragma once
+
+#include "granular/pair/touch.h"
+
+namespace granular {
+
+struct BallLook {
+  Vec3 normal;     ///< unit, from A to B; x for concentric balls
+  double overlap;  ///< m; negative: minus the gap
+};
+
+inline BallLook lookAtBalls(const Vec3& a, double radiusA, const Vec3& b, double radiusB) {
+  const Vec3 d = b - a;
+  const double distance = d.norm();
+  return {distance > 0 ? Vec3(d / distance) : Vec3(Vec3::UnitX()), radiusA + radiusB - distance};
+}
+
+/// The touch of two overlapping balls; a: centre of A, m.
+inline void fillBallTouch(const BallLook& look, const Vec3& a, double radiusA, Touch& touch) {
+  touch.normal = look.normal;
+  touch.overlap = look.overlap;
+  const Vec3 middle = a + (radiusA - 0.5 * look.overlap) * look.normal;
+  touch.onA = middle + 0.5 * look.overlap * look.normal;
+  touch.onB = middle - 0.5 * look.overlap * look.normal;
+}
+
+}  // namespace granular

@@ -1,0 +1,138 @@
+// Clumps are a second, smaller search inside each pair. The children near each other are listed with a reach of their
+// own and the list stands until the bodies have travelled that far; within it every pair of children has its own proven
+// gap, and is not looked at before that is used up. So a step of a resting or slowly moving pair compares a few
+// numbers.
+#include "granular/world/clump_contacts.h"
+
+#include <algorithm>
+
+#include "granular/narrow/clump_pair.h"
+
+namespace granular {
+namespace {
+
+std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+
+/// Lists the children near each other anew; warm caches of those listed before are kept.
+void relistChildren(const ClumpPairView& view, double reach, double travel, bool balls, ClumpMemory& memory) {
+  thread_local std::vector<ChildPair> found;
+  findNearChildren(view, reach, found);
+  if (!balls) {
+    // Both lists are sorted: one pass.
+    std::vector<WarmCache> caches(found.size());
+    const std::vector<ChildPair>& before = memory.children.near;
+    std::size_t old = 0;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const auto isBefore = [&](const ChildPair& p) {
+        return p.childA != found[k].childA ? p.childA < found[k].childA : p.childB < found[k].childB;
+      };
+      while (old < before.size() && isBefore(before[old])) ++old;
+      const bool same =
+          old < before.size() && before[old].childA == found[k].childA && before[old].childB == found[k].childB;
+      if (same) caches[k] = memory.caches[old];
+    }
+    memory.caches.swap(caches);
+  }
+  memory.children.near.assign(found.begin(), found.end());
+  memory.children.validUntil = travel + reach;
+}
+
+/// How far the search for children reaches: as a pair's bounds do.
+double reachOf(const World& world, double size) { return world.options.skin * size; }
+
+}  // namespace
+
+void lookAtClumpPair(World& world, std::int32_t index, double travel, World::Chunk& chunk) {
+  const Bodies& bodies = world.bodies;
+  const bool skips = world.options.skips.separation;
+  Pair& pair = world.pairs.pairs[at(index)];
+  const Shape &shapeA = *bodies.shape[at(pair.a)], &shapeB = *bodies.shape[at(pair.b)];
+  ClumpMemory& memory = world.pairs.memory.clumps[at(pair.slot)];
+  const Vec3 shift = world.options.periods.shift(pair.image);
+  Frame frameB = bodies.frame[at(pair.b)];
+  frameB.x += shift;
+  const ClumpPairView view{shapeA, bodies.frame[at(pair.a)], shapeB, frameB};
+  const bool balls = meetsBalls(shapeA, shapeB);
+  const double size = std::min(shapeA.size(), shapeB.size());
+  if (!skips || travel >= memory.children.validUntil) {
+    relistChildren(view, reachOf(world, size), travel, balls, memory);
+  }
+
+  // Each pair of children whose gap may be used up.
+  const std::uint64_t uncertified = chunk.counts.uncertified;
+  const std::size_t before = chunk.contacts.size();
+  double quiet = memory.children.validUntil;
+  for (std::size_t k = 0; k < memory.children.near.size(); ++k) {
+    ChildPair& children = memory.children.near[k];
+    if (skips && travel < children.quietUntil) {
+      quiet = std::min(quiet, children.quietUntil);
+      continue;
+    }
+    Touch touch;
+    double overlap = 0;
+    if (balls) {
+      ++chunk.counts.warm;
+      overlap = touchBallChildren(view, children, touch);
+    } else {
+      overlap =
+          touchChildAndConvex(view, children, !world.options.skips.feature, memory.caches[k], chunk.counts, touch);
+    }
+    if (!(overlap > 0)) {
+      children.quietUntil = travel - overlap;
+      quiet = std::min(quiet, children.quietUntil);
+      continue;
+    }
+    Contact& contact = chunk.contacts.emplace_back();
+    contact.pair = index;
+    contact.a = pair.a;
+    contact.b = pair.b;
+    contact.spot = {0, children.childA, children.childB};
+    contact.share = 1;
+    contact.shift = shift;
+    contact.touch = touch;
+    chunk.noteDepth(overlap, size);
+  }
+  if (chunk.counts.uncertified > uncertified && chunk.uncertifiedPair < 0) chunk.uncertifiedPair = index;
+  if (chunk.contacts.size() > before) return;
+  pair.quietUntil = quiet;
+  memory.spots.clear();
+}
+
+void lookAtClumpAtWall(World& world, std::int32_t index, double travel, World::Chunk& chunk) {
+  const Bodies& bodies = world.bodies;
+  const bool skips = world.options.skips.separation;
+  WallPair& pair = world.pairs.wallPairs[at(index)];
+  const Frame& frame = bodies.frame[at(pair.body)];
+  const auto& clump = static_cast<const Clump&>(*bodies.shape[at(pair.body)]);
+  const Wall& wall = *world.walls[at(pair.wall)];
+  ChildList& list = pair.children;
+  if (!skips || travel >= list.validUntil) {
+    const double reach = reachOf(world, clump.size());
+    findChildrenNearWall(wall, clump, frame, reach, list.near);
+    list.validUntil = travel + reach;
+  }
+
+  chunk.wallTouches.clear();
+  double quiet = list.validUntil;
+  for (ChildPair& child : list.near) {
+    if (skips && travel < child.quietUntil) {
+      quiet = std::min(quiet, child.quietUntil);
+      continue;
+    }
+    const ChildSphere& sphere = clump.children()[at(child.childA)];
+    const std::size_t before = chunk.wallTouches.size();
+    const double gap = wall.clearance(frame.toWorld(sphere.centre), sphere.radius);
+    if (!(gap > 0)) touchWallWithChild(wall, world.options.rule, clump, frame, child.childA, chunk.wallTouches);
+    if (chunk.wallTouches.size() > before) continue;
+    child.quietUntil = travel + std::max(0.0, gap);
+    quiet = std::min(quiet, child.quietUntil);
+  }
+  if (chunk.wallTouches.empty()) {
+    pair.quietUntil = quiet;
+    pair.spots.clear();
+    return;
+  }
+  addWallContacts(pair, index, clump.size(), chunk);
+}
+
+}  // namespace granular

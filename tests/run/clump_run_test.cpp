@@ -1,0 +1,61 @@
+// Clumps from a scene file to a bed at rest.
+#include <gtest/gtest.h>
+
+#include "granular/analysis/contact_network.h"
+#include "granular/run/bed_of_world.h"
+#include "granular/shape/clump.h"
+#include "run/scene_texts.h"
+
+namespace granular {
+namespace {
+
+class ClumpRun : public RunTest {
+ protected:
+  const std::string dumbbells = R"(
+[[particles]]
+shape = "clump"
+radii = ["1.2 mm", "1.2 mm"]
+centres = [["-0.9 mm", "0 mm", "0 mm"], ["0.9 mm", "0 mm", "0 mm"]]
+)";
+};
+
+TEST_F(ClumpRun, ThreeHundredDumbbellsPourIntoAVesselAndRest) {
+  const std::string vessel = "[vessel]\nkind = \"cylinder\"\nradius = \"12 mm\"\n";
+  const std::string pour = "[insertion]\nkind = \"batches\"\ncount = 300\nbatch = 60\n";
+  PackingRun run(write(vessel + commonText + dumbbells + pour));
+  ASSERT_EQ(run.run(makeFolder("bed"), never), RunEnd::rested);
+  const World& world = run.world();
+  ASSERT_EQ(world.bodies.size(), 300u);
+  EXPECT_TRUE(world.report.troubles.empty());
+  EXPECT_LT(world.report.deepestOverlap, 0.1);
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    const Aabb box = world.bodies.shape[i]->bounds(world.bodies.frame[i]);
+    EXPECT_GT(box.lo.z(), -2e-4);
+    EXPECT_LT(world.bodies.x[i].head<2>().norm(), 12e-3);
+  }
+  // Floor and vessel carry the weight of all.
+  double weight = 0;
+  for (const double m : world.bodies.mass) weight += 9.81 * m;
+  EXPECT_NEAR(-world.wallForces[0].z() - world.wallForces[1].z(), weight, 0.02 * weight);
+  // Spheres touch more often than particles do.
+  const ContactNetwork network = analyseContacts(makeBed(world, Vessel{}));
+  EXPECT_GT(network.coordination, 4);
+  EXPECT_LT(network.coordination, 10);
+  EXPECT_GT(network.particleContacts, network.pairs);
+}
+
+TEST_F(ClumpRun, LockedParticlesStayInTheirPlane) {
+  std::ofstream(folder / "poses.txt") << "0 0 2e-3 1 0 0 0\n1e-3 0 6e-3 .8 0 .6 0\n-1e-3 0 1e-2 .6 0 .8 0\n";
+  const std::string poses = "[insertion]\nkind = \"poses\"\nfile = \"poses.txt\"\n";
+  const std::string locks = "lock_translation = \"y\"\nlock_rotation = [\"x\", \"z\"]\n";
+  PackingRun run(write(narrowBox + commonText + dumbbells + locks + poses));
+  ASSERT_EQ(run.run(makeFolder("plane"), never), RunEnd::rested);
+  const Bodies& bodies = run.world().bodies;
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(bodies.x[i].y(), 0);
+    EXPECT_LT(std::abs(bodies.frame[i].R(1, 0)) + std::abs(bodies.frame[i].R(1, 2)), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace granular
