@@ -42,6 +42,7 @@ void draw(const granular::OutputSettings& output, const fs::path& out) {
 int exitOf(granular::RunEnd end) {
   switch (end) {
     case granular::RunEnd::rested:
+    case granular::RunEnd::completed:
       return exitRested;
     case granular::RunEnd::trouble:
       return exitTrouble;

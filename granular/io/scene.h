@@ -42,6 +42,19 @@ struct WallSettings {
   double unit = 1;              ///< mesh: m per unit of the file
   double scale = 1;             ///< mesh: further factor
   std::string material;         ///< empty: the first material
+
+  // Motion: a path, a servo, or both.
+  Vec3 velocity = Vec3::Zero();       ///< m/s
+  Vec3 amplitude = Vec3::Zero();      ///< of a vibration, m
+  double frequency = 0;               ///< of the vibration, 1/s
+  double phase = 0;                   ///< of the vibration when it starts, rad
+  Vec3 spin = Vec3::Zero();           ///< angular velocity, rad/s
+  Vec3 axisPoint = Vec3::Zero();      ///< a point of the axis it turns about, m
+  double start = 0, stop = infinity;  ///< of the path, s
+  double force = 0;                   ///< that a servo presses with, N; 0: no servo
+  Vec3 direction = Vec3::Zero();      ///< in which it presses (any length)
+  double maxSpeed = 0.1;              ///< of the servo, m/s
+  double response = 1e-3;             ///< of the servo, s
 };
 
 struct MaterialSettings {

@@ -199,6 +199,14 @@ void checkWalls(const Scene& scene, const Report& report) {
     const WallSettings& w = scene.walls[k];
     const std::string path = fmt::format("wall.{}", k);
     if (w.kind == WallSettings::Kind::plane && w.normal.norm() == 0) report(path + ".normal", "must not be zero");
+    const bool onPath = w.velocity.norm() + w.spin.norm() + w.frequency > 0;
+    if (onPath && std::isinf(w.stop) && std::isinf(scene.time.maxTime))
+      report(path + ".stop", "is never, and so the bed never rests: time.max_time must say when the run ends");
+    if (w.stop <= w.start) report(path + ".stop", fmt::format("must be above start, {} s", w.start));
+    if (w.frequency > 0 && w.amplitude.norm() == 0) report(path + ".amplitude", "must not be zero with a frequency");
+    if (w.amplitude.norm() > 0 && w.frequency == 0) report(path + ".frequency", "must be above 0 with an amplitude");
+    if (w.force > 0 && w.direction.norm() == 0) report(path + ".direction", "must not be zero with a force");
+    if (w.direction.norm() > 0 && w.force == 0) report(path + ".force", "must be above 0 with a direction");
   }
 }
 

@@ -65,6 +65,23 @@ void visitVessel(KeyVisitor& v, VesselSettings& s) {
   v.readText({"material", "of floor and sides; default: the first material", "cylinder|box|periodic"}, s.material);
 }
 
+void visitWallMotion(KeyVisitor& v, WallSettings& s) {
+  v.readVector({"velocity", "of a steady motion"}, s.velocity, D::velocity, anything);
+  v.readVector({"amplitude", "of a vibration, amplitude sin(phase + 2 pi frequency t)"}, s.amplitude, D::length,
+               anything);
+  v.readNumber({"frequency", "of the vibration"}, s.frequency, D::frequency, notNegative);
+  v.readNumber({"phase", "of the vibration when the motion starts"}, s.phase, D::angle, anything);
+  v.readVector({"spin", "angular velocity"}, s.spin, D::angularVelocity, anything);
+  v.readVector({"axis_point", "a point of the axis of the spin, which goes along with velocity and vibration"},
+               s.axisPoint, D::length, anything);
+  v.readNumber({"start", "when velocity, vibration and spin begin"}, s.start, D::time, notNegative);
+  v.readNumber({"stop", "when they end"}, s.stop, D::time, positiveOrInfinite);
+  v.readNumber({"force", "that a servo holds against the particles; 0: no servo"}, s.force, D::force, notNegative);
+  v.readVector({"direction", "in which the servo presses, of any length"}, s.direction, D::none, anything);
+  v.readNumber({"max_speed", "of the servo"}, s.maxSpeed, D::velocity, positive);
+  v.readNumber({"response", "time in which a force that is off decays"}, s.response, D::time, positive);
+}
+
 void visitWall(KeyVisitor& v, WallSettings& s) {
   v.readKind({"kind", "shape of the wall", "", true}, s.kind, wallKinds);
   v.readText({"name", "for messages and output; default: its kind"}, s.name);
@@ -77,6 +94,7 @@ void visitWall(KeyVisitor& v, WallSettings& s) {
   v.readUnit({"unit", "length of one unit of the file", "mesh", true}, s.unit);
   v.readNumber({"scale", "further factor on the mesh", "mesh"}, s.scale, D::none, positive);
   v.readText({"material", "default: the first material"}, s.material);
+  visitWallMotion(v, s);
 }
 
 void visitContactParameters(KeyVisitor& v, ContactParameters& p) {

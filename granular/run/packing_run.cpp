@@ -55,6 +55,8 @@ std::string_view runEndName(RunEnd end) {
   switch (end) {
     case RunEnd::rested:
       return "rested";
+    case RunEnd::completed:
+      return "ran to the end of its time";
     case RunEnd::notRested:
       return "not at rest in the time given";
     case RunEnd::trouble:
@@ -257,6 +259,12 @@ double PackingRun::restlessness() const {
   return scale > 0 ? energy / scale : 0;
 }
 
+double PackingRun::settlesFrom() const {
+  double stop = 0;
+  for (const auto& wall : state->walls) stop = std::max(stop, wall->stopTime());
+  return stop;
+}
+
 void PackingRun::observe(double interval) {
   const bool pouring = !pour->isDone();
   const double bound = pouring ? settings.insertion.energy : settings.rest.energy;
@@ -268,7 +276,8 @@ void PackingRun::observe(double interval) {
       ++counters.lateBatches;
     }
   }
-  if (!pouring && !counters.awake && counters.calm >= settings.rest.time) {
+  const bool settling = !pouring && state->time >= settlesFrom();
+  if (settling && !counters.awake && counters.calm >= settings.rest.time) {
     // Rest must hold with every body awake.
     wakeAll(*state);
     state->options.sleep.on = false;
@@ -280,7 +289,9 @@ void PackingRun::observe(double interval) {
   counters.smallestBound = std::min(counters.smallestBound, now.bound);
 }
 
-bool PackingRun::isResting() const { return pour->isDone() && counters.awake && counters.calm >= settings.rest.time; }
+bool PackingRun::isResting() const {
+  return pour->isDone() && state->time >= settlesFrom() && counters.awake && counters.calm >= settings.rest.time;
+}
 
 RunEnd PackingRun::run(const std::filesystem::path& out, const volatile std::sig_atomic_t& stop) {
   checkFolder(out);
@@ -316,8 +327,10 @@ RunEnd PackingRun::run(const std::filesystem::path& out, const volatile std::sig
     if (isResting()) return finish(RunEnd::rested);
     if (stop) return finish(RunEnd::interrupted);
     if (counters.wall > settings.limits.wallTime || state->time >= settings.time.maxTime)
-      return finish(RunEnd::outOfTime);
-    if (pour->isDone() && state->time - counters.pouredAt > settings.rest.maxTime) return finish(RunEnd::notRested);
+      return finish(std::isinf(settlesFrom()) && state->time >= settings.time.maxTime ? RunEnd::completed
+                                                                                      : RunEnd::outOfTime);
+    if (pour->isDone() && state->time - std::max(counters.pouredAt, settlesFrom()) > settings.rest.maxTime)
+      return finish(RunEnd::notRested);
     if (line.elapsed() - savedAt > settings.output.checkpointEvery || state->time >= counters.nextCheckpoint) {
       counters.nextCheckpoint = state->time + settings.output.checkpointInterval;
       save(out);

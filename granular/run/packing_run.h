@@ -27,7 +27,8 @@ struct SceneSource {
 };
 
 /// How a run ended.
-enum class RunEnd { rested, notRested, trouble, interrupted, outOfTime };
+/// completed: a wall never stops, so that there is no rest to wait for, and time.max_time is reached.
+enum class RunEnd { rested, completed, notRested, trouble, interrupted, outOfTime };
 std::string_view runEndName(RunEnd end);
 
 /// Counters of the run itself; with the world and the inserter's state, all there is to save.
@@ -75,6 +76,8 @@ class PackingRun {
 
   /// Kinetic energy of the moving bodies over the sum of m g d of the particles poured last (d: equal-volume diameter).
   double restlessness() const;
+  /// When the last wall stops on its way, s; infinity if one never does. Waiting for rest begins then.
+  double settlesFrom() const;
 
  private:
   void makePour();

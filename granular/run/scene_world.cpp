@@ -95,6 +95,15 @@ void addVesselWalls(const Scene& scene, World& world) {
   }
 }
 
+WallPath pathOf(const WallSettings& s) {
+  return {s.velocity, s.amplitude, s.frequency, s.phase, s.axisPoint, s.spin, s.start, s.stop};
+}
+
+WallServo servoOf(const WallSettings& s) {
+  if (s.force == 0) return {};
+  return {s.direction.normalized(), s.force, s.maxSpeed, s.response};
+}
+
 void addSceneWalls(const Scene& scene, World& world) {
   for (const WallSettings& settings : scene.walls) {
     std::unique_ptr<Wall> wall;
@@ -112,6 +121,7 @@ void addSceneWalls(const Scene& scene, World& world) {
         break;
       }
     }
+    wall = makeMovingWall(std::move(wall), pathOf(settings), servoOf(settings));
     addWall(std::move(wall), settings.name, scene.materialIndex(settings.material), world);
   }
 }

@@ -315,6 +315,29 @@ void visitReport(Archive& archive, Report& report) {
   });
 }
 
+/// What the servos of moving walls remember. Where a wall is follows from the time.
+void visitWalls(Archive& archive, World& world) {
+  archive.inGroup("walls", [&] {
+    std::vector<double> way, speed;
+    for (const auto& wall : world.walls) {
+      way.push_back(wall->servoWay);
+      speed.push_back(wall->servoSpeed);
+    }
+    archive.visit("force", world.wallForces, {"N", "on each wall"});
+    archive.visit("stiffness", world.wallStiffness, {"N/m", "of the contacts of walls with a servo"});
+    archive.visit("servo_way", way, {"m", ""});
+    archive.visit("servo_speed", speed, {"m/s", ""});
+    if (!archive.loading()) return;
+    require(way.size() == world.walls.size() && speed.size() == world.walls.size(),
+            "checkpoint: as many walls as the scene has are expected");
+    for (std::size_t k = 0; k < way.size(); ++k) {
+      world.walls[k]->servoWay = way[k];
+      world.walls[k]->servoSpeed = speed[k];
+      world.walls[k]->place(world.time);
+    }
+  });
+}
+
 }  // namespace
 
 void describe(Archive& archive, World& world) {
@@ -348,6 +371,7 @@ void describe(Archive& archive, World& world) {
     world.ledger = EnergyLedger{};
     world.pairs.memory.energy.clear();
   }
+  visitWalls(archive, world);
   visitReport(archive, world.report);
   if (!archive.loading()) return;
   world.bodies.restoreDerived(world.shapes);

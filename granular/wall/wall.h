@@ -8,6 +8,7 @@
 #include "granular/pair/child_pair.h"
 #include "granular/point/contact_point.h"
 #include "granular/shape/clump.h"
+#include "granular/wall/motion.h"
 
 namespace granular {
 
@@ -20,14 +21,6 @@ struct WallTouch {
   double share;  ///< of the stiffness among the spots of one face: 1 for a lone spot
   std::int32_t child = -1;  ///< of a clump; -1 for a body that is none
   ContactPatch patch;
-};
-
-/// Rigid motion of a wall at t_n: velocity of its reference point and angular velocity about it.
-struct WallMotion {
-  Vec3 reference = Vec3::Zero();
-  Vec3 velocity = Vec3::Zero();
-  Vec3 spin = Vec3::Zero();
-  Vec3 velocityAt(const Vec3& p) const { return velocity + spin.cross(p - reference); }
 };
 
 class Wall {
@@ -46,9 +39,20 @@ class Wall {
 
   virtual std::string describe() const = 0;
 
-  std::string name;   ///< as the scene calls it
-  int material = 0;   ///< row of the material table
-  WallMotion motion;  ///< at rest unless the scene moves it
+  /// True if the wall goes anywhere; then place() must be called for every step.
+  virtual bool moves() const { return false; }
+  /// When its prescribed motion ends, s; 0 without one.
+  virtual double stopTime() const { return 0; }
+  /// The servo that presses it, or null.
+  virtual const WallServo* heldBy() const { return nullptr; }
+  /// Goes to where it is at a time (s), with the way of the servo so far.
+  virtual void place(double /*time*/) {}
+
+  std::string name;                     ///< as the scene calls it
+  int material = 0;                     ///< row of the material table
+  WallMotion motion;                    ///< of its surface at t_n
+  WallMotion stepMotion;                ///< the mean over the last step
+  double servoWay = 0, servoSpeed = 0;  ///< along the servo's direction, m and m/s
 };
 
 /// Appends every contact of a placed shape, of a clump child by child.
@@ -68,5 +72,7 @@ std::unique_ptr<Wall> makeCylinderWall(const Vec2& axis, double radius);
 /// A triangle mesh; particles live on the side the triangles' normals point to. Vertices at equal positions are joined;
 /// coplanar neighbours act as one facet; shared edges and vertices count once.
 std::unique_ptr<Wall> makeMeshWall(const TriangleMesh& mesh, const std::string& source);
+/// A wall on a path, pressed by a servo, or both; the given wall itself where neither moves.
+std::unique_ptr<Wall> makeMovingWall(std::unique_ptr<Wall> atRest, const WallPath& path, const WallServo& servo);
 
 }  // namespace granular

@@ -58,8 +58,10 @@ Encounter meet(const World& world, const Contact& contact, double dt) {
   Vec3 velocityB, slipVelocityB, spinB, spinHalfB;
   if (contact.b < 0) {
     const Wall& wall = *world.walls[at(-1 - contact.b)];
-    velocityB = slipVelocityB = wall.motion.velocityAt(point);
-    spinB = spinHalfB = wall.motion.spin;
+    velocityB = wall.motion.velocityAt(point);
+    slipVelocityB = wall.stepMotion.velocityAt(point);
+    spinB = wall.motion.spin;
+    spinHalfB = wall.stepMotion.spin;
     met.materialB = wall.material;
   } else {
     const std::size_t b = at(contact.b);
@@ -142,6 +144,21 @@ void applyLaws(double dt, World& world) {
   }
 }
 
+/// Of all contacts of each wall that a servo presses, N/m; 0 for the others.
+void measureWallStiffness(World& world) {
+  world.wallStiffness.assign(world.walls.size(), 0);
+  const auto isHeld = [](const auto& wall) { return wall->heldBy() != nullptr; };
+  if (std::none_of(world.walls.begin(), world.walls.end(), isHeld)) return;
+  for (std::size_t c = world.wallChunkBegin; c < world.chunks.size(); ++c) {
+    for (const Contact& contact : world.chunks[c].contacts) {
+      const std::size_t k = at(-1 - contact.b);
+      const int bodyMaterial = world.bodies.material[at(contact.a)];
+      const double stiffness = world.materials.constants(bodyMaterial, world.walls[k]->material).parameters.stiffness;
+      world.wallStiffness[k] += contact.share * contact.patch.share * stiffness;
+    }
+  }
+}
+
 }  // namespace
 
 void applyForceLaws(double dt, World& world) {
@@ -189,6 +206,7 @@ void gatherForces(World& world) {
   for (std::size_t c = world.wallChunkBegin; c < world.chunks.size(); ++c) {
     for (const Contact& contact : world.chunks[c].contacts) world.wallForces[at(-1 - contact.b)] -= contact.force.force;
   }
+  measureWallStiffness(world);
 }
 
 }  // namespace granular

@@ -39,9 +39,56 @@ void advanceBodies(double dt, Bodies& bodies) {
   }
 }
 
+/// The largest distance of any body's surface from the axis of a turning wall: further out no part of it is met.
+double furthestFrom(const WallMotion& turning, const Bodies& bodies) {
+  const double rate = turning.spin.norm();
+  if (rate == 0) return 0;
+  double furthest = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const double distance = (bodies.x[i] - turning.reference).cross(turning.spin).norm() / rate;
+    furthest = std::max(furthest, distance + bodies.boundingRadius[i]);
+  }
+  return furthest;
+}
+
+/// Nothing sleeps at a wall that is on its way: its contacts are looked at with bodies that move alone.
+void wakeNearMovingWalls(World& world) {
+  if (!world.options.sleep.on) return;
+  for (const WallPair& pair : world.pairs.wallPairs) {
+    const Wall& wall = *world.walls[static_cast<std::size_t>(pair.wall)];
+    if (wall.stepMotion.velocity.isZero(0) && wall.stepMotion.spin.isZero(0)) continue;
+    const auto i = static_cast<std::size_t>(pair.body);
+    if (i < world.sleep.calm.size()) world.sleep.calm[i] = 0;
+    if (world.bodies.state[i] != BodyState::asleep) continue;
+    world.bodies.release(i);
+    ++world.sleep.woken;
+    world.layoutStale = true;
+  }
+}
+
 }  // namespace
 
-void moveWalls(double /*dt*/, World& /*world*/) {}
+void moveWalls(double dt, World& world) {
+  double way = 0;
+  for (std::size_t k = 0; k < world.walls.size(); ++k) {
+    Wall& wall = *world.walls[k];
+    if (!wall.moves()) {
+      wall.stepMotion = wall.motion;  // a surface may run along itself
+      continue;
+    }
+    if (const WallServo* servo = wall.heldBy(); servo && !world.wallForces.empty()) {
+      wall.servoSpeed = servo->speedFor(-world.wallForces[k].dot(servo->direction), world.wallStiffness[k]);
+      wall.servoWay += wall.servoSpeed * dt;
+    }
+    const double speedBefore = wall.motion.velocity.norm();
+    wall.place(world.time + dt);
+    const double speed = std::max(speedBefore, wall.motion.velocity.norm());
+    way = std::max(way, dt * (speed + wall.stepMotion.spin.norm() * furthestFrom(wall.stepMotion, world.bodies)));
+  }
+  if (way == 0) return;
+  world.wallTravel += way;
+  wakeNearMovingWalls(world);
+}
 
 void predict(double dt, const WorldOptions& options, Bodies& bodies) {
   switch (options.integrator) {

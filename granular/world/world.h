@@ -107,6 +107,7 @@ struct World {
   EnergyLedger ledger;                           ///< of t_{n+1/2} after a step; not begun unless the options ask for it
   std::vector<Vec3> velocityBefore, spinBefore;  ///< half-step velocities before the last kick, for the ledger
   std::vector<Vec3> wallForces;                  ///< on each wall, N, of the last step
+  std::vector<double> wallStiffness;             ///< of the contacts of each wall that a servo presses, N/m
   Report report;
 
   /// Adds a body at time t_n; its half steps start with the next step. Returns its slot.

@@ -80,6 +80,16 @@ TEST_F(BadInput, AParticleLargerThanTheVesselIsNamedWithBothSizes) {
                  {"larger than the vessel", "0.008", "0.0075"});
 }
 
+TEST_F(BadInput, AWallsMotionThatCannotBeIsNamedWithItsKey) {
+  const std::string wall = "[[wall]]\nkind = \"plane\"\nnormal = [0, 0, -1]\npoint = [0, 0, 0.09]\n";
+  expectMentions(complaintOf(good + wall + "velocity = [0, 0, -0.1]\n"), {"wall.0.stop", "time.max_time"});
+  expectMentions(complaintOf(good + wall + "velocity = [0, 0, -0.1]\nstart = 2\nstop = 1\n"),
+                 {"wall.0.stop", "above start", "2 s"});
+  expectMentions(complaintOf(good + wall + "frequency = \"20 Hz\"\nstop = 1\n"), {"wall.0.amplitude"});
+  expectMentions(complaintOf(good + wall + "force = \"1 N\"\n"), {"wall.0.direction"});
+  expectMentions(complaintOf(good + wall + "direction = [0, 0, -1]\n"), {"wall.0.force"});
+}
+
 TEST_F(BadInput, AMissingSceneIsNamed) {
   try {
     SceneSource::read(folder / "absent.toml", {});

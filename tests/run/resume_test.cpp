@@ -142,6 +142,30 @@ TEST_F(Resume, OnAMeshWallEndsInTheSameBits) {
   expectSameAt(0.03, 0.0271, narrowBox + roof + commonText + mixture + few);
 }
 
+TEST_F(Resume, UnderMovingWallsEndsInTheSameBits) {
+  const std::string walls = R"(
+[[wall]]
+name = "piston"
+kind = "plane"
+point = ["0 mm", "0 mm", "30 mm"]
+normal = [0, 0, -1]
+direction = [0, 0, -1]
+force = "0.2 N"
+max_speed = "1 m/s"
+[[wall]]
+name = "paddle"
+kind = "plane"
+point = ["-7 mm", "0 mm", "0 mm"]
+normal = [1, 0, 0]
+amplitude = ["0.5 mm", "0 mm", "0 mm"]
+frequency = "40 Hz"
+spin = ["0 rad/s", "2 rad/s", "0 rad/s"]
+start = "10 ms"
+stop = "50 ms"
+)";
+  expectSameAt(0.06, 0.0371, narrowBox + walls + commonText + mixture + few + settle("sleep"));
+}
+
 TEST_F(Resume, ABedFilledToItsRimEndsInTheSameBits) {
   const std::string box = "[vessel]\nkind = \"box\"\nsize = [\"8 mm\", \"8 mm\", \"7 mm\"]\n";
   const std::string lots = "[insertion]\nkind = \"batches\"\ncount = 40\nbatch = 12\n";
