@@ -48,4 +48,9 @@ inline constexpr double zeroVolume = 1e-6;
 /// to some 4e-7.
 inline constexpr double coplanar = 1e-6;
 
+/// Relative to the smaller body's size: the largest principal radius that two surfaces have together for Hertz's law.
+/// Only where they follow each other it is more, and Hertz's contact would be wider than the bodies. An ellipsoid of
+/// revolution on a plane reaches it at 1:1:1/32.
+inline constexpr double flattest = 100;
+
 }  // namespace granular::tolerance

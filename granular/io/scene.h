@@ -60,6 +60,7 @@ struct WallSettings {
 struct MaterialSettings {
   std::string name;
   double density = 2500;  ///< kg/m^3
+  Elasticity elasticity;  ///< for Hertz's laws
 };
 
 /// Parameters of one pair of materials.
@@ -85,6 +86,7 @@ struct TimeSettings {
   std::optional<double> step;  ///< s; not given ("auto"): fraction of the stability bound
   double fraction = 0.5;       ///< of the stability bound
   std::int64_t contacts = 8;   ///< at once on a body, for the bound
+  double overlap = 0.02;       ///< Hertz's laws: largest expected, fraction of the size, for the bound
   double maxTime = infinity;   ///< simulated, s: the run stops here with whatever it has
 };
 

@@ -23,6 +23,23 @@ void checkMaterialName(const Scene& scene, const std::string& name, const std::s
   report(path, fmt::format("no material is called \"{}\"; the scene has: {}", name, listMaterials(scene)));
 }
 
+void checkElasticity(const Scene& scene, const Report& report) {
+  if (!lawReadsCurvature(lawFromName(scene.model.law))) return;
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    const MaterialSettings& m = scene.materials[i];
+    if (m.elasticity.young == 0)
+      report("model.law", fmt::format("\"{}\" needs young_modulus and poisson_ratio of the materials: give them in "
+                                      "[[material]]",
+                                      scene.model.law));
+  }
+  // Two rigid solids never meet only if there is one of them at most, and particles are of another.
+  for (const ParticleSettings& p : scene.particles) {
+    const auto index = static_cast<std::size_t>(scene.materialIndex(p.material));
+    if (scene.materials[index].elasticity.young == infinity)
+      report(fmt::format("material.{}.young_modulus", index), "is infinite: only walls can be rigid, not particles");
+  }
+}
+
 void checkMaterials(const Scene& scene, const Report& report) {
   std::set<std::string> names;
   for (std::size_t k = 0; k < scene.materials.size(); ++k)
@@ -220,6 +237,7 @@ int Scene::materialIndex(const std::string& material) const {
 
 void checkScene(const Scene& scene, const Report& report) {
   checkMaterials(scene, report);
+  checkElasticity(scene, report);
   checkParticles(scene, report);
   checkCounts(scene, report);
   checkWalls(scene, report);

@@ -495,7 +495,7 @@ Scene parseScene(std::string_view text, const fs::path& path, const std::vector<
   if (problems.any()) problems.raise();
 
   // What the keys must satisfy together, once each is right by itself.
-  if (scene.materials.empty()) scene.materials.push_back({"default"});
+  if (scene.materials.empty()) scene.materials.emplace_back().name = "default";
   checkScene(scene, [&](const std::string& key, const std::string& message) {
     problems.add(reader.locate(key), key, message);
   });

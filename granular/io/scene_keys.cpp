@@ -15,6 +15,7 @@ constexpr Range fraction{0, 1};
 constexpr Range sharpnesses{1, 1000};
 constexpr Range assumedContacts{1, 1000};
 constexpr Range positiveFraction{0, 1, true, false};
+constexpr Range poissonRatios{-1, 0.5, true, false};
 constexpr Range atLeastOne{1, infinity, false, true};
 
 constexpr std::string_view vesselKinds[] = {"cylinder", "box", "periodic", "none"};
@@ -22,7 +23,9 @@ constexpr std::string_view directions[] = {"x", "y", "z"};
 constexpr std::string_view wallKinds[] = {"plane", "cylinder", "mesh"};
 constexpr std::string_view frictionLimits[] = {"total", "push"};
 constexpr std::string_view contactMasses[] = {"reduced", "local"};
-constexpr std::string_view laws[] = {"linear", "linear_local", "tensor"};
+constexpr std::string_view laws[] = {"linear", "linear_local", "tensor", "hertz", "hertz_mindlin"};
+constexpr std::string_view springLaws = "linear|linear_local|tensor";
+constexpr std::string_view elasticLaws = "hertz|hertz_mindlin";
 constexpr std::string_view pointRules[] = {"witness", "manifold",    "face_centroid", "pressure_centroid",
                                            "patch",   "stiff_patch", "foundation"};
 constexpr std::string_view integrators[] = {"seelen", "spiral"};
@@ -97,16 +100,24 @@ void visitWall(KeyVisitor& v, WallSettings& s) {
   visitWallMotion(v, s);
 }
 
-void visitContactParameters(KeyVisitor& v, ContactParameters& p) {
-  v.readNumber({"stiffness", "k_n, normal spring"}, p.stiffness, D::stiffness, positive);
-  v.readNumber({"restitution", "e_n, of a head-on impact"}, p.restitution, D::none, positiveFraction);
-  v.readNumber({"restitution_tangential", "e_t"}, p.restitutionT, D::none, positiveFraction);
+void visitContactParameters(KeyVisitor& v, std::string_view law, ContactParameters& p) {
+  v.setKind(law);
+  v.readNumber({"stiffness", "k_n, normal spring", springLaws}, p.stiffness, D::stiffness, positive);
+  v.readNumber({"restitution", "e_n, of a head-on impact", "linear|linear_local|tensor|hertz_mindlin"}, p.restitution,
+               D::none, positiveFraction);
+  v.readNumber({"restitution_tangential", "e_t", springLaws}, p.restitutionT, D::none, positiveFraction);
   v.readNumber({"friction", "Coulomb's coefficient"}, p.friction, D::none, notNegative);
+  v.readNumber({"damping_normal", "eta_n: dashpot over the reduced mass", "hertz"}, p.dampingRateN, D::frequency,
+               notNegative);
+  v.readNumber({"damping_tangential", "eta_t: the same across", "hertz"}, p.dampingRateT, D::frequency, notNegative);
 }
 
 void visitModel(KeyVisitor& v, ModelSettings& s) {
   readTextChoice(
-      v, {"law", "contact law: springs and dashpots of S; the same from the contact's own masses; a stiffness matrix"},
+      v,
+      {"law",
+       "contact law: springs and dashpots of S; the same from the contact's own masses; a stiffness matrix; Hertz's "
+       "force with the damping of M; Hertz and Mindlin with a restitution"},
       s.law, laws);
   v.readBoolean({"tension", "keep the attractive end of a damped contact, so that e = e_n; false: cut at 0"},
                 s.tension);
@@ -125,10 +136,13 @@ void visitModel(KeyVisitor& v, ModelSettings& s) {
   readTextChoice(v, {"integrator", "time integration of the rotation"}, s.integrator, integrators);
 }
 
-void visitTime(KeyVisitor& v, TimeSettings& s) {
+void visitTime(KeyVisitor& v, std::string_view law, TimeSettings& s) {
+  v.setKind(law);
   v.readOptional({"step", "time step; auto: fraction of the stability bound"}, s.step, D::time, positive);
   v.readNumber({"fraction", "of the stability bound, for step = auto"}, s.fraction, D::none, positiveFraction);
   v.readInteger({"contacts", "that a body is assumed to have at once, for the bound"}, s.contacts, assumedContacts);
+  v.readNumber({"overlap", "largest expected, as a fraction of the size, for the bound", elasticLaws}, s.overlap,
+               D::none, positiveFraction);
   v.readNumber({"max_time", "simulated time after which the run ends in any case"}, s.maxTime, D::time,
                positiveOrInfinite);
 }
@@ -333,11 +347,17 @@ void visitMaterials(KeyVisitor& v, Scene& s) {
   v.readTables(
       {"material", "materials; default: one, called default"}, [&](std::size_t n) { s.materials.resize(n); },
       [&](std::size_t k) {
-        v.readText({"name", "to be used by particles, walls and contacts", "", true}, s.materials[k].name);
-        v.readNumber({"density", "of the solid"}, s.materials[k].density, D::density, positive);
+        MaterialSettings& m = s.materials[k];
+        v.setKind(s.model.law);
+        v.readText({"name", "to be used by particles, walls and contacts", "", true}, m.name);
+        v.readNumber({"density", "of the solid"}, m.density, D::density, positive);
+        v.readNumber({"young_modulus", "inf: rigid, for walls", elasticLaws, true}, m.elasticity.young, D::pressure,
+                     positiveOrInfinite);
+        v.readNumber({"poisson_ratio", "of an incompressible solid: 0.5", elasticLaws, true}, m.elasticity.poisson,
+                     D::none, poissonRatios);
       });
   v.readTable({"contact_default", "parameters of all contacts not named below"},
-              [&] { visitContactParameters(v, s.contactDefault); });
+              [&] { visitContactParameters(v, s.model.law, s.contactDefault); });
   v.readTables(
       {"contact", "parameters between two materials; keys left out are those of contact_default"},
       [&](std::size_t n) {
@@ -345,7 +365,7 @@ void visitMaterials(KeyVisitor& v, Scene& s) {
       },
       [&](std::size_t k) {
         v.readNames({"between", "two materials, or one with itself", "", true}, s.contacts[k].between, {});
-        visitContactParameters(v, s.contacts[k].parameters);
+        visitContactParameters(v, s.model.law, s.contacts[k].parameters);
       });
 }
 
@@ -380,9 +400,9 @@ void visitScene(KeyVisitor& v, Scene& s) {
   v.readTables(
       {"wall", "further walls"}, [&](std::size_t n) { s.walls.resize(n); },
       [&](std::size_t k) { visitWall(v, s.walls[k]); });
-  visitMaterials(v, s);
   v.readTable({"model", "contact model"}, [&] { visitModel(v, s.model); });
-  v.readTable({"time", "time step and end"}, [&] { visitTime(v, s.time); });
+  visitMaterials(v, s);
+  v.readTable({"time", "time step and end"}, [&] { visitTime(v, s.model.law, s.time); });
   v.readTables(
       {"particles", "groups of particles", "", true}, [&](std::size_t n) { s.particles.resize(n); },
       [&](std::size_t k) { visitParticles(v, s.particles[k]); });

@@ -74,6 +74,8 @@ class KeyVisitor {
     readEnum(key, value, names);
     kind = names[static_cast<std::size_t>(value)];
   }
+  /// Keys of the section being read depend on a choice made in another one (Key::only).
+  void setKind(std::string_view chosen) { kind = chosen; }
 
  protected:
   /// True if the section's kind has this key.

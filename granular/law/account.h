@@ -6,6 +6,7 @@
 // spring force: friction heat of the step is 1/2 (f' + f_n).p.
 #pragma once
 
+#include "granular/law/hertz.h"
 #include "granular/law/linear.h"
 #include "granular/law/tensor.h"
 
@@ -82,6 +83,23 @@ inline void accountTensor(const LawConstants& c, const LawOptions& options, cons
   const Vec3 forceBefore = spring * (step.overlapBefore * m.normal + step.carried);
   account.slipHeat = 0.5 * (forceBefore + force).dot(step.gaveWay);
   accountTwist(m, step, 0.5 * m.share * (k.spring(1, 1) + k.spring(2, 2)), account);
+}
+
+using FindHertz = ContactStiffness(const LawConstants&, const LawOptions&, const ContactBody&, const ContactBody&,
+                                   const Vec3&, double, double);
+
+/// Springs of Hertz's laws: the secant stiffness times the overlap is a force of energy 2/5 k overlap^2. What the
+/// tangential spring gains or loses with the stiffness shows as work of the contact rule.
+template <FindHertz findStiffness>
+void accountHertz(const LawConstants& c, const LawOptions& options, const ContactBody& a, const ContactBody& b,
+                  const ContactMotion& m, const SpringStep& step, ContactAccount& account) {
+  const ContactStiffness k = findStiffness(c, options, a, b, m.normal, m.overlap, m.radius);
+  const double normal = m.share * k.normal, tangential = m.share * k.tangential;
+  account.normalSpring = 0.4 * normal * m.squaredDepth;
+  account.tangentialSpring = 0.5 * tangential * step.spring.squaredNorm();
+  account.elasticForce = -normal * m.overlap * m.normal - tangential * step.spring;
+  account.slipHeat = 0.5 * tangential * (step.carried + step.spring).dot(step.gaveWay);
+  accountTwist(m, step, tangential, account);
 }
 
 /// What is not elastic: along the normal and in a patch's plane the normal dashpot, the rest tangential.

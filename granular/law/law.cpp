@@ -6,6 +6,7 @@
 
 #include "granular/core/errors.h"
 #include "granular/law/account.h"
+#include "granular/law/hertz.h"
 #include "granular/law/linear.h"
 #include "granular/law/tensor.h"
 
@@ -13,7 +14,23 @@ namespace granular {
 namespace {
 
 using StiffnessFinder = ContactStiffness (*)(const LawConstants&, const LawOptions&, const ContactBody&,
-                                             const ContactBody&, const Vec3&);
+                                             const ContactBody&, const Vec3&, double overlap, double radius);
+
+/// A law whose stiffness is the same at every overlap.
+template <FindStiffness find>
+ContactStiffness findAnywhere(const LawConstants& c, const LawOptions& options, const ContactBody& a,
+                              const ContactBody& b, const Vec3& normal, double, double) {
+  return find(c, options, a, b, normal);
+}
+
+/// Hertz's: the force goes with overlap^{3/2}, so that its slope is 3/2 of the secant.
+template <FindHertz find>
+ContactStiffness findSlope(const LawConstants& c, const LawOptions& options, const ContactBody& a, const ContactBody& b,
+                           const Vec3& normal, double overlap, double radius) {
+  ContactStiffness k = find(c, options, a, b, normal, overlap, radius);
+  k.normal *= 1.5;
+  return k;
+}
 
 using Accountant = void (*)(const LawConstants&, const LawOptions&, const ContactBody&, const ContactBody&,
                             const ContactMotion&, const SpringStep&, ContactAccount&);
@@ -24,15 +41,22 @@ struct LawRow {
   Law function;
   StiffnessFinder stiffness;
   Accountant account;
-  bool readsInertia;
+  bool readsInertia = false;
+  bool readsCurvature = false;
+  /// What the law does to the history before it looks at it; null: nothing.
+  void (*prepare)(const ContactMotion&, ContactHistory&) = nullptr;
 };
 
 // The table of laws: one row per law, in the order of LawKind.
-constexpr std::array<LawRow, 3> laws = {{
-    {LawKind::linear, "linear", applyLinearLaw, findLinearStiffness, accountSprings<findLinearStiffness>, false},
-    {LawKind::linearLocal, "linear_local", applyLinearLocalLaw, findLocalStiffness, accountSprings<findLocalStiffness>,
+constexpr std::array<LawRow, 5> laws = {{
+    {LawKind::linear, "linear", applyLinearLaw, findAnywhere<findLinearStiffness>, accountSprings<findLinearStiffness>},
+    {LawKind::linearLocal, "linear_local", applyLinearLocalLaw, findAnywhere<findLocalStiffness>,
+     accountSprings<findLocalStiffness>, true},
+    {LawKind::tensor, "tensor", applyTensorLaw, findAnywhere<summariseTensorStiffness>, accountTensor, true},
+    {LawKind::hertz, "hertz", applyHertzLaw, findSlope<findHertzStiffness>, accountHertz<findHertzStiffness>, false,
      true},
-    {LawKind::tensor, "tensor", applyTensorLaw, summariseTensorStiffness, accountTensor, true},
+    {LawKind::hertzMindlin, "hertz_mindlin", applyHertzMindlinLaw, findSlope<findMindlinStiffness>,
+     accountHertz<findMindlinStiffness>, false, true, shortenGrownSpring},
 }};
 
 const LawRow& rowOf(LawKind kind) { return laws[static_cast<std::size_t>(kind)]; }
@@ -56,6 +80,20 @@ double arcRatio(double z) {
 
 }  // namespace
 
+void setElasticity(const Elasticity& a, const Elasticity& b, ContactParameters& parameters) {
+  for (const Elasticity& solid : {a, b}) {
+    requireParameter(solid.young > 0, "young_modulus", solid.young, "must be > 0 Pa");
+    requireParameter(solid.poisson > -1 && solid.poisson <= 0.5, "poisson_ratio", solid.poisson,
+                     "must lie in (-1, 0.5]");
+  }
+  require(std::isfinite(a.young) || std::isfinite(b.young),
+          "contact of two rigid solids (young_modulus = infinity): one of them must give way");
+  const auto normalCompliance = [](const Elasticity& s) { return (1 - s.poisson * s.poisson) / s.young; };
+  const auto shearCompliance = [](const Elasticity& s) { return 2 * (1 + s.poisson) * (2 - s.poisson) / s.young; };
+  parameters.modulus = 1 / (normalCompliance(a) + normalCompliance(b));
+  parameters.shearModulus = 1 / (shearCompliance(a) + shearCompliance(b));
+}
+
 double dampingRatioFor(double restitution, bool tension) {
   const double logE = std::log(restitution);
   if (tension) return -logE / std::sqrt(pi * pi + logE * logE);
@@ -75,6 +113,11 @@ LawConstants prepareLaw(const ContactParameters& p) {
   requireRestitution("restitution", p.restitution);
   requireRestitution("restitution_t", p.restitutionT);
   requireParameter(std::isfinite(p.friction) && p.friction >= 0, "friction", p.friction, "must be finite and >= 0");
+  for (const auto& [name, value] : {std::pair{"E*", p.modulus},
+                                    {"G*", p.shearModulus},
+                                    {"damping_normal", p.dampingRateN},
+                                    {"damping_tangential", p.dampingRateT}})
+    requireParameter(std::isfinite(value) && value >= 0, name, value, "must be finite and >= 0");
 
   // S 13-16, apart from masses.
   const double logN = std::log(p.restitution), logT = std::log(p.restitutionT);
@@ -82,6 +125,8 @@ LawConstants prepareLaw(const ContactParameters& p) {
   LawConstants c;
   c.parameters = p;
   c.inverseStiffness = 1 / p.stiffness;
+  c.hertz = 4.0 / 3 * p.modulus;
+  c.mindlin = 8 * p.shearModulus;
   c.dampingT = p.restitutionT == 1 ? 0 : -2 * logT / std::sqrt(phase);
   c.stiffnessRatio = (pi * pi + logT * logT) / phase;
   c.dampingN[1] = p.restitution == 1 ? 0 : 2 * dampingRatioFor(p.restitution, true);
@@ -100,6 +145,8 @@ std::string_view lawName(LawKind kind) { return rowOf(kind).name; }
 
 bool lawReadsInertia(LawKind kind, const LawOptions& options) { return rowOf(kind).readsInertia || options.localMass; }
 
+bool lawReadsCurvature(LawKind kind) { return rowOf(kind).readsCurvature; }
+
 LawKind lawFromName(std::string_view name) {
   for (const LawRow& row : laws) {
     if (row.name == name) return row.kind;
@@ -110,15 +157,18 @@ LawKind lawFromName(std::string_view name) {
 }
 
 ContactStiffness stiffnessOf(LawKind kind, const LawConstants& constants, const LawOptions& options,
-                             const ContactBody& a, const ContactBody& b, const Vec3& normal) {
-  return rowOf(kind).stiffness(constants, options, a, b, normal);
+                             const ContactBody& a, const ContactBody& b, const Vec3& normal, double overlap,
+                             double radius) {
+  return rowOf(kind).stiffness(constants, options, a, b, normal, overlap, radius);
 }
 
 ContactAccount accountContact(LawKind kind, const LawConstants& constants, const LawOptions& options,
                               const ContactBody& a, const ContactBody& b, const ContactMotion& motion,
                               const ContactHistory& before, const ContactHistory& after, const ContactForce& force) {
   ContactAccount account;
-  const SpringStep step = followSpring(constants, motion, before, after);
+  ContactHistory prepared = before;
+  if (rowOf(kind).prepare) rowOf(kind).prepare(motion, prepared);
+  const SpringStep step = followSpring(constants, motion, prepared, after);
   rowOf(kind).account(constants, options, a, b, motion, step, account);
   splitForce(motion, step, force, account);
   return account;

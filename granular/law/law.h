@@ -11,11 +11,24 @@ namespace granular {
 
 /// Parameters of a pair of materials (S section 6). k_n in N/m; restitution in (0, 1]; friction >= 0.
 struct ContactParameters {
-  double stiffness = 1e4;     ///< k_n
-  double restitution = 0.8;   ///< e_n
-  double restitutionT = 0.6;  ///< e_t
+  double stiffness = 1e4;     ///< k_n; not read by hertz and hertz_mindlin
+  double restitution = 0.8;   ///< e_n; not read by hertz
+  double restitutionT = 0.6;  ///< e_t; not read by hertz and hertz_mindlin
   double friction = 0.1;      ///< mu_c
+  // Read by hertz and hertz_mindlin alone; setElasticity writes the first two.
+  double modulus = 0;       ///< E*: 1/E* = (1 - nu_a^2)/E_a + (1 - nu_b^2)/E_b, Pa; 0: not given
+  double shearModulus = 0;  ///< G*: 1/G* = (2 - nu_a)/G_a + (2 - nu_b)/G_b, Pa; 0: not given
+  double dampingRateN = 0;  ///< hertz: eta_n, 1/s, times the reduced mass
+  double dampingRateT = 0;  ///< hertz: eta_t, 1/s
 };
+
+/// An elastic solid. Isotropic: G = E/(2 (1 + nu)).
+struct Elasticity {
+  double young = 0;    ///< E, Pa, > 0; infinity: rigid
+  double poisson = 0;  ///< nu, in (-1, 0.5]
+};
+/// Writes E* and G* of two solids. Throws InputError naming value and limit, or if both are rigid.
+void setElasticity(const Elasticity& a, const Elasticity& b, ContactParameters& parameters);
 
 /// Named options of the linear law.
 struct LawOptions {
@@ -47,6 +60,7 @@ struct ContactMotion {
   Vec3 spin;                ///< w_A - w_B at t_n, rad/s; read only for a patch
   Vec3 meanSpin;            ///< (w_A + w_B)/2, rad/s: turns the spring about the normal
   double share = 1;         ///< factor on stiffness and dashpots, for a spot among those of one face
+  double radius = 0;        ///< effective radius of the two surfaces, m; read if lawReadsCurvature
   double dt = 0;
   // Patch: zero area for a point contact.
   Vec3 centreArm;  ///< patch centre - contact point, m
@@ -60,7 +74,9 @@ struct ContactMotion {
 enum class LawKind : unsigned char {
   linear,       ///< S: one normal and one tangential spring, the latter from averaged masses
   linearLocal,  ///< the same springs, from the masses that the contact point feels
-  tensor        ///< a stiffness matrix that makes normal and tangential motion isochronous
+  tensor,       ///< a stiffness matrix that makes normal and tangential motion isochronous
+  hertz,        ///< Hertz's force with the damping and the tangential spring of Markauskas et al. 2010
+  hertzMindlin  ///< Hertz's force with a restitution, Mindlin's tangential stiffness by increments
 };
 
 /// Constants of a parameter set that every contact of the pair of materials shares: all logarithms and roots of the
@@ -72,10 +88,13 @@ struct LawConstants {
   double timeFactor[2] = {};    ///< t_c = timeFactor sqrt(m/k_n) (S 14, or the cut-off formula)
   double dampingT = 0;          ///< eta_t = dampingT m_t sqrt(k_n/mu) (S 16)
   double stiffnessRatio = 0;    ///< (pi^2 + ln^2 e_t)/(pi^2 + ln^2 e_n) (S 13)
+  double hertz = 0;             ///< 4/3 E*, Pa
+  double mindlin = 0;           ///< 8 G*, Pa
 };
 
 /// Checks the parameters and prepares their constants. Throws InputError naming parameter, value and limit when a value
-/// is not finite, stiffness <= 0, a restitution is outside (0, 1] (e = 0 has no finite dashpot) or friction < 0.
+/// is not finite, stiffness <= 0, a restitution is outside (0, 1] (e = 0 has no finite dashpot), friction, a modulus or
+/// a damping rate < 0.
 LawConstants prepareLaw(const ContactParameters& parameters);
 
 /// Damping ratio zeta of a linear dashpot whose restitution is e in (0, 1]: with the attractive end kept, or cut at 0.
@@ -85,11 +104,14 @@ using Law = void (*)(const LawConstants&, const LawOptions&, const ContactBody& 
                      const ContactMotion&, ContactHistory&, ContactForce&);
 /// The table of laws; one row per law.
 Law lawFunction(LawKind kind);
-/// Names as scene files spell them: "linear", "linear_local", "tensor". Throws InputError for any other.
+/// Names as scene files spell them: "linear", "linear_local", "tensor", "hertz", "hertz_mindlin". Throws InputError for
+/// any other.
 LawKind lawFromName(std::string_view name);
 std::string_view lawName(LawKind kind);
 /// True if the law reads ContactBody::inverseInertia.
 bool lawReadsInertia(LawKind kind, const LawOptions& options);
+/// True if the law reads ContactMotion::radius, and the elastic constants of its pair.
+bool lawReadsCurvature(LawKind kind);
 
 /// What a law did with energy in one step, for the energy ledger. Springs as at t_n, after the law.
 struct ContactAccount {
@@ -108,14 +130,15 @@ ContactAccount accountContact(LawKind kind, const LawConstants&, const LawOption
                               const ContactHistory& after, const ContactForce& force);
 
 /// Effective coefficients of one contact, for the bound on the time step (S 13-16). tensor: the diagonal of its
-/// matrices.
+/// matrices. hertz, hertz_mindlin: of small motions about the overlap, dF/d(overlap) in the normal direction; the time
+/// is that of an elastic impact that reaches it.
 struct ContactStiffness {
   double normal = 0, tangential = 0;                ///< N/m
   double dampingNormal = 0, dampingTangential = 0;  ///< kg/s
   double contactTime = 0;                           ///< t_c, s
 };
-/// At least one body must be free.
+/// At least one body must be free. overlap and effective radius, m: read by hertz and hertz_mindlin.
 ContactStiffness stiffnessOf(LawKind kind, const LawConstants&, const LawOptions&, const ContactBody& a,
-                             const ContactBody& b, const Vec3& normal);
+                             const ContactBody& b, const Vec3& normal, double overlap = 0, double radius = 0);
 
 }  // namespace granular

@@ -23,10 +23,16 @@ ContactParameters mixParameters(const ContactParameters& a, const ContactParamet
   ContactParameters mixed;
   // 2/(1/a + 1/b) and sqrt(a b) need not give back a = b to the last bit: keep equal values as they are.
   const auto mixGeometric = [](double x, double y) { return x == y ? x : std::sqrt(x) * std::sqrt(y); };
-  mixed.stiffness = a.stiffness == b.stiffness ? a.stiffness : 2 / (1 / a.stiffness + 1 / b.stiffness);
+  const auto mixInSeries = [](double x, double y) { return x == y ? x : x > 0 && y > 0 ? 2 / (1 / x + 1 / y) : 0; };
+  mixed.stiffness = mixInSeries(a.stiffness, b.stiffness);
   mixed.restitution = std::min(mixGeometric(a.restitution, b.restitution), 1.0);
   mixed.restitutionT = std::min(mixGeometric(a.restitutionT, b.restitutionT), 1.0);
   mixed.friction = mixGeometric(a.friction, b.friction);
+  // Compliances add: 1/E* of unequal solids is half the sum of those of equal ones.
+  mixed.modulus = mixInSeries(a.modulus, b.modulus);
+  mixed.shearModulus = mixInSeries(a.shearModulus, b.shearModulus);
+  mixed.dampingRateN = mixGeometric(a.dampingRateN, b.dampingRateN);
+  mixed.dampingRateT = mixGeometric(a.dampingRateT, b.dampingRateT);
   return mixed;
 }
 

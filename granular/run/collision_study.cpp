@@ -220,8 +220,14 @@ StiffSpring stiffSpringOf(LawKind law) {
       return StiffSpring::local;
     case LawKind::tensor:
       return StiffSpring::tensor;
+    case LawKind::hertz:
+    case LawKind::hertzMindlin:
+      break;
   }
-  return StiffSpring::average;
+  throw InputError(
+      fmt::format("law \"{}\": the study of collisions has springs of one stiffness alone: linear, "
+                  "linear_local, tensor",
+                  lawName(law)));
 }
 
 ColliderKind findColliderKind(std::string_view name) {

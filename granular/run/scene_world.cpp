@@ -22,16 +22,31 @@ bool skips(const Scene& scene, std::string_view name) {
   return has("all") || has(name);
 }
 
+/// The parameters of a contact between two materials of the scene, given what is not elastic.
+ContactParameters withElasticity(const Scene& scene, std::size_t i, std::size_t j, ContactParameters parameters) {
+  if (!lawReadsCurvature(lawFromName(scene.model.law))) return parameters;
+  Elasticity a = scene.materials[i].elasticity, b = scene.materials[j].elasticity;
+  // Two rigid walls never meet; anything serves.
+  if (std::isinf(a.young) && std::isinf(b.young)) a.young = b.young = 1;
+  setElasticity(a, b, parameters);
+  return parameters;
+}
+
 MaterialTable makeMaterials(const Scene& scene) {
   MaterialTable table;
-  for (const MaterialSettings& material : scene.materials) table.add(material.name, scene.contactDefault);
-  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-    for (std::size_t j = i; j < scene.materials.size(); ++j) {
-      table.setPair(scene.materials[i].name, scene.materials[j].name, scene.contactDefault);
+  const std::size_t n = scene.materials.size();
+  for (std::size_t i = 0; i < n; ++i)
+    table.add(scene.materials[i].name, withElasticity(scene, i, i, scene.contactDefault));
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = i; j < n; ++j) {
+      table.setPair(scene.materials[i].name, scene.materials[j].name,
+                    withElasticity(scene, i, j, scene.contactDefault));
     }
   }
   for (const ContactSettings& contact : scene.contacts) {
-    table.setPair(contact.between[0], contact.between[1], contact.parameters);
+    const auto i = static_cast<std::size_t>(scene.materialIndex(contact.between[0]));
+    const auto j = static_cast<std::size_t>(scene.materialIndex(contact.between[1]));
+    table.setPair(contact.between[0], contact.between[1], withElasticity(scene, i, j, contact.parameters));
   }
   return table;
 }
@@ -57,6 +72,7 @@ WorldOptions makeOptions(const Scene& scene) {
   options.sleep.balance = scene.settle.balance;
   options.sleep.time = scene.settle.time;
   options.sleep.wake = scene.settle.wake;
+  options.expectedOverlap = scene.time.overlap;
   options.deepOverlap = scene.limits.maxOverlap;
   options.maxSpeed = scene.limits.maxSpeed;
   options.energy = scene.output.energy;

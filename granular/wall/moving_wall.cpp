@@ -31,6 +31,9 @@ class MovingWall final : public Wall {
     return atRest->clearance(axes.toBody(centre), radius);
   }
   bool admits(const Vec3& p) const override { return atRest->admits(axes.toBody(p)); }
+  Mat3 curvatureAt(const Vec3& p) const override {
+    return axes.R * atRest->curvatureAt(axes.toBody(p)) * axes.R.transpose();
+  }
   std::string describe() const override { return "moving " + atRest->describe(); }
 
   bool moves() const override { return true; }

@@ -226,6 +226,11 @@ class VesselWall final : public Wall {
     return vessel.radius - vessel.fromAxis(centre).norm() - radius;
   }
   bool admits(const Vec3& p) const override { return vessel.fromAxis(p).norm() < vessel.radius; }
+  Mat3 curvatureAt(const Vec3& p) const override {
+    const Vec2 r = vessel.fromAxis(p).normalized();
+    const Vec3 around(-r.y(), r.x(), 0);
+    return (-1 / vessel.radius) * (around * around.transpose());
+  }
   std::string describe() const override {
     return "inside of a vertical cylinder, radius " + std::to_string(vessel.radius) + " m";
   }

@@ -37,6 +37,10 @@ class Wall {
   /// True if the point lies on the granular side.
   virtual bool admits(const Vec3& p) const = 0;
 
+  /// The curvature of its surface at a point of it (shape/curvature.h), world axes, 1/m: 0 where flat, and at the edges
+  /// of a mesh too; negative where hollow.
+  virtual Mat3 curvatureAt(const Vec3& /*p*/) const { return Mat3::Zero(); }
+
   virtual std::string describe() const = 0;
 
   /// True if the wall goes anywhere; then place() must be called for every step.

@@ -1,4 +1,5 @@
 // Stages of a step that make forces of contacts: the law of each, and the sum on each body.
+#include "granular/world/contact_radius.h"
 #include "granular/world/stages.h"
 
 namespace granular {
@@ -90,6 +91,7 @@ Encounter meet(const World& world, const Contact& contact, double dt) {
   motion.vv = contact.patch.vv;
   motion.uv = contact.patch.uv;
   motion.rocking = rockingDamping(world.options.rule);
+  if (lawReadsCurvature(world.options.law)) motion.radius = contactRadius(world, contact);
   return met;
 }
 
@@ -153,7 +155,14 @@ void measureWallStiffness(World& world) {
     for (const Contact& contact : world.chunks[c].contacts) {
       const std::size_t k = at(-1 - contact.b);
       const int bodyMaterial = world.bodies.material[at(contact.a)];
-      const double stiffness = world.materials.constants(bodyMaterial, world.walls[k]->material).parameters.stiffness;
+      const LawConstants& constants = world.materials.constants(bodyMaterial, world.walls[k]->material);
+      double stiffness = constants.parameters.stiffness;
+      if (lawReadsCurvature(world.options.law)) {
+        const ContactBody body = viewBody(world.bodies, at(contact.a), Vec3::Zero(), false);
+        stiffness = stiffnessOf(world.options.law, constants, {}, body, {}, contact.touch.normal, contact.patch.depth,
+                                contactRadius(world, contact))
+                        .normal;
+      }
       world.wallStiffness[k] += contact.share * contact.patch.share * stiffness;
     }
   }

@@ -6,6 +6,8 @@
 
 #include "granular/law/linear.h"
 #include "granular/shape/clump.h"
+#include "granular/shape/curvature.h"
+#include "granular/world/contact_radius.h"
 
 namespace granular {
 namespace {
@@ -14,18 +16,19 @@ namespace {
 /// the deepest overlap of a contact that is not hit hard.
 constexpr double togetherDepth = 0.01;
 
-/// How a body gives way to a contact, 1/kg: g of its centre and its turning about the arm, and of its rocking on the
-/// area.
+/// How a body gives way to a contact, 1/kg: g of its centre and its turning about the arm, along the normal and, for
+/// laws whose tangential stiffness may decide, in the softest direction across it; and of its rocking on the area.
 struct Compliance {
-  double point = 0, rocking = 0;
+  double point = 0, rocking = 0, side = 0;
 };
 
 /// Sums of k g and eta g over the contacts of one body.
 struct Rates {
   double stiffness = 0, damping = 0;
   void add(const ContactStiffness& contact, const Compliance& g, const RuleOptions& rule) {
-    stiffness += contact.normal * (g.point + rockingStiffness(rule) * g.rocking);
-    damping += contact.dampingNormal * (g.point + rockingDamping(rule) * g.rocking);
+    stiffness += std::max(contact.normal * (g.point + rockingStiffness(rule) * g.rocking), contact.tangential * g.side);
+    damping += std::max(contact.dampingNormal * (g.point + rockingDamping(rule) * g.rocking),
+                        contact.dampingTangential * g.side);
   }
   double bound() const {
     if (stiffness <= 0) return infinity;
@@ -46,15 +49,30 @@ double giveAt(const MassProperties& unit, const Vec3& point, const Vec3& n) {
   return 1 / unit.volume + lever.dot(unit.inertia.cwiseInverse().cwiseProduct(lever));
 }
 
+/// The largest g across n, over the directions t in the contact plane, for the inverse inertia in body axes.
+double sideGive(double inverseMass, const Mat3& inverseInertia, const Vec3& arm, const Vec3& n) {
+  const Vec3 t = perpendicular(n), first = arm.cross(t), second = arm.cross(n.cross(t));
+  const double a = first.dot(inverseInertia * first), b = second.dot(inverseInertia * second);
+  const double c = first.dot(inverseInertia * second);
+  return inverseMass + 0.5 * (a + b) + std::hypot(0.5 * (a - b), c);
+}
+
+Compliance compliancesAt(const MassProperties& unit, const Vec3& point, const Vec3& n) {
+  const Mat3 inverse = unit.inertia.cwiseInverse().asDiagonal();
+  return {giveAt(unit, point, n), 0, sideGive(1 / unit.volume, inverse, point, n)};
+}
+
 /// The same for all children that touch at once where a flat neighbour presses on a clump: each is as stiff as a
 /// contact of its own.
-double giveOf(const Clump& clump, const Vec3& n) {
+Compliance compliancesOf(const Clump& clump, const Vec3& n) {
   const ChildSphere& highest = highestChild(clump.children(), n);
   const double floor = n.dot(highest.centre) + highest.radius - togetherDepth * clump.size();
-  double sum = 0;
+  Compliance sum;
   for (const ChildSphere& child : clump.children()) {
     if (n.dot(child.centre) + child.radius < floor) continue;
-    sum += giveAt(clump.massProperties(), child.centre + sphereSupport(child.radius, n), n);
+    const Compliance g = compliancesAt(clump.massProperties(), child.centre + sphereSupport(child.radius, n), n);
+    sum.point += g.point;
+    sum.side += g.side;
   }
   return sum;
 }
@@ -70,16 +88,18 @@ ShapeCompliance complianceOf(const Shape& shape, const RuleOptions& rule) {
     const double z = 1 - (2 * k + 1.0) / samples;
     const double s = std::sqrt(1 - z * z);
     const Vec3 n(s * std::cos(golden * k), s * std::sin(golden * k), z);
-    const double g = clump ? giveOf(*clump, n) : giveAt(unit, shape.support(n), n);
-    result.worst.point = std::max(result.worst.point, g);
-    result.mean.point += g / samples;
+    const Compliance g = clump ? compliancesOf(*clump, n) : compliancesAt(unit, shape.support(n), n);
+    result.worst.point = std::max(result.worst.point, g.point);
+    result.worst.side = std::max(result.worst.side, g.side);
+    result.mean.point += g.point / samples;
+    result.mean.side += g.side / samples;
   }
   if (shape.kind() == ShapeKind::sphere || shape.kind() == ShapeKind::ellipsoid || clump) return result;
 
   // A patch rocks about an axis with the second moment of its area, k <s^2>/I. For a cube on its face that is half of
   // 1/m, and slender bodies keep the ratio: both s and I are measured across the axis.
   result.mean.rocking = 0.5 / unit.volume;
-  const Compliance face{1 / unit.volume, 2 * result.mean.rocking};
+  const Compliance face{1 / unit.volume, 2 * result.mean.rocking, result.worst.side};
   if (face.point + rockingStiffness(rule) * face.rocking > result.worst.point) result.worst = face;
   return result;
 }
@@ -105,13 +125,15 @@ TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialT
   TimeStepBound result;
   // The tensor law lets a body swing with the compliance of its partner too: the largest there is.
   const bool shared = options.law == LawKind::tensor;
+  const bool hertz = lawReadsCurvature(options.law);
   std::vector<ShapeCompliance> compliances;
   ShapeCompliance largest;
   for (const BodyKind& kind : kinds) {
     const ShapeCompliance unit = complianceOf(*kind.shape, options.rule);
     const double inverse = 1 / kind.density;
-    compliances.push_back({{unit.worst.point * inverse, unit.worst.rocking * inverse},
-                           {unit.mean.point * inverse, unit.mean.rocking * inverse}});
+    const double side = hertz ? inverse : 0;  // the linear laws' k_t is made for the compliance across
+    compliances.push_back({{unit.worst.point * inverse, unit.worst.rocking * inverse, unit.worst.side * side},
+                           {unit.mean.point * inverse, unit.mean.rocking * inverse, unit.mean.side * side}});
     largest.worst.point = std::max(largest.worst.point, compliances.back().worst.point);
     largest.mean.point = std::max(largest.mean.point, compliances.back().mean.point);
   }
@@ -128,12 +150,14 @@ TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialT
     self.radiusRatio = properties.meanSquareRadius / (kind.density * properties.inertia.mean());
     for (int partner = 0; partner < materials.count(); ++partner) {
       const LawConstants& constants = materials.constants(kind.material, partner);
-      // A wall damps most for its stiffness; a twin makes the shortest contact. Both through the centre of mass, where
-      // every law has the stiffness k_n.
+      // A wall damps most for its stiffness, and is the flattest partner; a twin makes the shortest contact. Both
+      // through the centre of mass, where every law of springs has the stiffness k_n.
+      const LawKind law = hertz ? options.law : LawKind::linear;
+      const double overlap = options.expectedOverlap * kind.shape->size(), radius = largestRadius(*kind.shape);
       ContactStiffness wall =
-          stiffnessOf(LawKind::linear, constants, options.lawOptions, self, ContactBody{}, Vec3::UnitZ());
+          stiffnessOf(law, constants, options.lawOptions, self, ContactBody{}, Vec3::UnitZ(), overlap, radius);
       const ContactStiffness twin =
-          stiffnessOf(LawKind::linear, constants, options.lawOptions, self, self, Vec3::UnitZ());
+          stiffnessOf(law, constants, options.lawOptions, self, self, Vec3::UnitZ(), overlap, 0.5 * radius);
       if (shared) stretchRates(constants, wall);
       Rates rates;
       rates.add(wall, felt.worst, options.rule);
@@ -148,6 +172,8 @@ TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialT
   result.explanation =
       fmt::format("largest stable step {:.3g} s, set by {} with {} contacts at once; shortest contact time {:.3g} s",
                   result.bound, result.body, contactsAssumed, result.contactTime);
+  if (hertz)
+    result.explanation += fmt::format("; both at overlaps of {:g} % of the size", 100 * options.expectedOverlap);
   return result;
 }
 
@@ -179,7 +205,10 @@ TimeStepBound boundOfContacts(const World& world) {
     }
     const Vec3& n = contact.touch.normal;
     const LawConstants& constants = world.materials.constants(bodies.material[a], materialB);
-    ContactStiffness stiffness = stiffnessOf(law, constants, world.options.lawOptions, bodyA, bodyB, n);
+    const bool hertz = lawReadsCurvature(law);
+    const double radius = hertz ? contactRadius(world, contact) : 0;
+    ContactStiffness stiffness =
+        stiffnessOf(law, constants, world.options.lawOptions, bodyA, bodyB, n, contact.patch.depth, radius);
     result.contactTime = std::min(result.contactTime, stiffness.contactTime);
 
     // k g of either body; with the tensor law half the contact's own rate, in the direction that swings fastest.
@@ -192,17 +221,20 @@ TimeStepBound boundOfContacts(const World& world) {
       const RuleOptions& rule = world.options.rule;
       ContactStiffness spot = stiffness;
       spot.normal *= share;
+      spot.tangential *= share;
       spot.dampingNormal *= share;
+      spot.dampingTangential *= share;
       if (law != LawKind::tensor) {
-        own.add(spot, {localInverseMass(body, n), rocking}, rule);
+        const double side = hertz ? sideGive(body.inverseMass, body.inverseInertia, body.arm, n) : 0;
+        own.add(spot, {localInverseMass(body, n), rocking, side}, rule);
         return;
       }
-      own.add(spot, {0, rocking}, rule);
+      own.add(spot, {0, rocking, 0}, rule);
       spot.normal = share * constants.parameters.stiffness;
       spot.dampingNormal =
           share * constants.dampingN[world.options.lawOptions.tension] * std::sqrt(spot.normal / (share * compliance));
       stretchRates(constants, spot);
-      own.add(spot, {0.5 * compliance, 0}, rule);
+      own.add(spot, {0.5 * compliance, 0, 0}, rule);
     };
     addTo(contact.a, bodyA);
     addTo(contact.b, bodyB);

@@ -9,6 +9,12 @@
 // The tensor law's contact swings at w^2 = k_n n.A n, A of both bodies, in every direction. J^T K J has that as its
 // largest eigenvalue in the metric of the masses, and each contact gives it to both its bodies: omega^2 <= sum w^2. To
 // share the sum above, half of it counts as the body's k g.
+//
+// Hertz's contact stiffens as it closes: dF/d delta = 2 E* sqrt(R delta), so that a bound needs the largest overlap
+// that will come. Before a run it is options.expectedOverlap times the size (an impact of speed v on a plane reaches
+// (15 m v^2/(16 E* sqrt(R)))^{2/5}), on a plane where the body is flattest; during a run it is the overlap there is.
+// Across, Mindlin's stiffness is up to as large (8 G* a against 2 E* a: 2 (1 - nu)/(2 - nu) of it), and the body turns
+// as well: for a sphere k_t g_t = 3.5 k_t/m. The larger of both counts.
 #pragma once
 
 #include <string>

@@ -1,5 +1,7 @@
 #include "granular/world/world.h"
 
+#include "granular/core/errors.h"
+
 namespace granular {
 namespace {
 
@@ -12,10 +14,30 @@ SearchOptions searchOptionsOf(const WorldOptions& options) {
   return search;
 }
 
+/// What a law with Hertz's force needs.
+void checkElasticLaw(const WorldOptions& options, const MaterialTable& materials) {
+  if (!lawReadsCurvature(options.law)) return;
+  const std::string law(lawName(options.law));
+  for (int i = 0; i < materials.count(); ++i) {
+    for (int j = i; j < materials.count(); ++j) {
+      const ContactParameters& pair = materials.constants(i, j).parameters;
+      require(pair.modulus > 0 && pair.shearModulus > 0, "law \"" + law + "\": materials \"" + materials.name(i) +
+                                                             "\" and \"" + materials.name(j) +
+                                                             "\" have no Young's modulus and Poisson's ratio");
+    }
+  }
+  require(options.rule.rule != PointRule::foundation && options.rule.rule != PointRule::stiffPatch,
+          "law \"" + law + "\" does not go with the contact-point rule \"" +
+              std::string(pointRuleName(options.rule.rule)) +
+              "\", whose depth is a mean over the overlap and not Hertz's: choose another");
+}
+
 }  // namespace
 
 World::World(const WorldOptions& chosen, MaterialTable table)
-    : options(chosen), materials(std::move(table)), search(searchOptionsOf(chosen)) {}
+    : options(chosen), materials(std::move(table)), search(searchOptionsOf(chosen)) {
+  checkElasticLaw(options, materials);
+}
 
 std::int32_t World::addShape(std::shared_ptr<const Shape> shape) {
   anyClump = anyClump || shape->kind() == ShapeKind::clump;

@@ -37,9 +37,10 @@ struct WorldOptions {
   bool bruteForce = false;  ///< the oracle of the broad phase
   Skips skips;
   SleepOptions sleep;
-  double deepOverlap = 0.08;  ///< overlaps above this times the smaller size are reported as trouble
-  double maxSpeed = 1e5;      ///< surface speeds above this are reported as trouble, m/s
-  bool energy = false;        ///< keep the energy ledger
+  double expectedOverlap = 0.02;  ///< largest, over the size: for the time step where stiffness grows with overlap
+  double deepOverlap = 0.08;      ///< overlaps above this times the smaller size are reported as trouble
+  double maxSpeed = 1e5;          ///< surface speeds above this are reported as trouble, m/s
+  bool energy = false;            ///< keep the energy ledger
 };
 
 struct World {

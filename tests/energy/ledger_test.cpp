@@ -160,11 +160,13 @@ TEST(Ledger, OfAHeadOnCollisionHasAResidualOfSecondOrder) {
 }
 
 TEST(Ledger, OfAnObliqueImpactHasAResidualOfSecondOrder) {
-  for (const LawKind law : {LawKind::linear, LawKind::tensor}) {
+  for (const LawKind law : {LawKind::linear, LawKind::tensor, LawKind::hertz, LawKind::hertzMindlin}) {
     for (const double speed : {.2, 1.0}) {
       expectSecondOrder(
           [&](double dt, double phase) {
             Scenario scenario;
+            scenario.contact.dampingRateN = scenario.contact.dampingRateT = 200;
+            setElasticity({1e7, .2}, {1e7, .2}, scenario.contact);
             scenario.floor = true;
             scenario.options.law = law;
             auto world = makeWorld(scenario);

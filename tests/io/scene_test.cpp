@@ -175,6 +175,59 @@ TEST(Scene, KeyOfAnotherKindIsRefused) {
   expectError(vessel + spheres + "height = 1\n", {"particles.0.height", "isn't used by kind \"sphere\"", "cylinder"});
 }
 
+TEST(Scene, LawOfHertzReadsElasticMaterials) {
+  const std::string rice = R"(
+[model]
+law = "hertz_mindlin"
+[[material]]
+name = "rice"
+young_modulus = "183 MPa"
+poisson_ratio = 0.2
+[[material]]
+name = "steel"
+young_modulus = inf
+poisson_ratio = 0.3
+[contact_default]
+restitution = 0.5
+[[contact]]
+between = ["rice", "steel"]
+friction = 0.2
+[time]
+overlap = 0.05
+)";
+  const Scene scene = parse(vessel + spheres + rice);
+  EXPECT_DOUBLE_EQ(scene.materials[0].elasticity.young, 183e6);
+  EXPECT_DOUBLE_EQ(scene.materials[0].elasticity.poisson, 0.2);
+  EXPECT_EQ(scene.materials[1].elasticity.young, infinity);
+  EXPECT_EQ(scene.contacts[0].parameters.restitution, 0.5);
+  EXPECT_EQ(scene.time.overlap, 0.05);
+
+  const Scene paper = parse(vessel + spheres +
+                            "[model]\nlaw = \"hertz\"\n[[material]]\nname = \"rice\"\nyoung_modulus = \"183 MPa\"\n"
+                            "poisson_ratio = 0.2\n[contact_default]\ndamping_normal = \"100 1/s\"\n");
+  EXPECT_EQ(paper.contactDefault.dampingRateN, 100);
+}
+
+TEST(Scene, KeysOfOtherLawsAreRefused) {
+  const std::string stone = "[[material]]\nname = \"stone\"\n";
+  const std::string elastic = stone + "young_modulus = 1e9\npoisson_ratio = 0.2\n";
+  const std::string mindlin = "[model]\nlaw = \"hertz_mindlin\"\n", hertz = "[model]\nlaw = \"hertz\"\n";
+  expectError(vessel + spheres + elastic, {"material.0.young_modulus", "isn't used by kind \"linear\"", "hertz"});
+  expectError(vessel + spheres + mindlin + elastic + "[contact_default]\nstiffness = 1e4\n",
+              {"contact_default.stiffness", "isn't used by kind \"hertz_mindlin\"", "linear"});
+  expectError(vessel + spheres + hertz + elastic + "[contact_default]\nrestitution = 0.5\n",
+              {"contact_default.restitution", "isn't used by kind \"hertz\""});
+  expectError(vessel + spheres + mindlin + elastic + "[contact_default]\ndamping_normal = 100\n",
+              {"contact_default.damping_normal", "belongs to: hertz"});
+  expectError(vessel + spheres + "[time]\noverlap = 0.1\n", {"time.overlap", "hertz,hertz_mindlin"});
+  expectError(vessel + spheres + mindlin + stone, {"material.0.young_modulus", "is missing"});
+  expectError(vessel + spheres + mindlin, {"model.law", "hertz_mindlin", "young_modulus", "[[material]]"});
+  expectError(vessel + spheres + mindlin + stone + "young_modulus = -1\npoisson_ratio = 0.6\n",
+              {"material.0.young_modulus", "> 0 Pa", "material.0.poisson_ratio", "> -1 and <= 0.5"});
+  expectError(vessel + spheres + mindlin + stone + "young_modulus = inf\npoisson_ratio = 0.3\n",
+              {"material.0.young_modulus", "only walls can be rigid"});
+}
+
 TEST(Scene, MissingKeyIsNamedWithItsSection) {
   expectError("[vessel]\nkind = \"cylinder\"\n" + spheres, {"bed.toml:1:1", "vessel.radius", "is missing"});
   expectError(spheres, {"vessel", "is missing"});

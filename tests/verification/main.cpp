@@ -28,7 +28,8 @@ constexpr Section sections[] = {{'a', "Single impacts"},
                                 {'f', "Columns and flow"},
                                 {'h', "Free rotation"},
                                 {'i', "Invariances"},
-                                {'j', "Binary collisions"}};
+                                {'j', "Binary collisions"},
+                                {'k', "Hertz's contact"}};
 
 std::string formatRow(const VerificationRow& row) {
   const std::string error = row.bound ? "" : fmt::format("{:.1e}", std::abs(row.got - row.expected));

@@ -5,8 +5,10 @@
 #include <cstring>
 #include <map>
 
+#include "granular/core/errors.h"
 #include "granular/core/random.h"
 #include "granular/shape/polyhedron.h"
+#include "granular/shape/shape_table.h"
 #include "granular/shape/sphere.h"
 #include "granular/world/stages.h"
 #include "granular/world/time_step.h"
@@ -224,6 +226,72 @@ TEST(TimeStep, BoundBeforeTheRunIsBelowThatOfTheContactsThatCome) {
   }
   EXPECT_LT(before.bound, smallest);
   EXPECT_GT(before.bound, 0.2 * smallest);
+}
+
+/// A heap of balls and ellipsoids of Hertz's law, soft enough for long steps.
+std::unique_ptr<World> makeElasticHeap(double young) {
+  WorldOptions options;
+  options.law = LawKind::hertzMindlin;
+  MaterialTable materials;
+  ContactParameters contact;
+  contact.restitution = 0.5;
+  contact.friction = 0.3;
+  setElasticity({young, .2}, {young, .2}, contact);
+  materials.add("rice", contact);
+  auto world = std::make_unique<World>(options, std::move(materials));
+  world->walls.push_back(makePlaneWall(Vec3::Zero(), Vec3::UnitZ()));
+  world->walls.push_back(makeCylinderWall(Vec2::Zero(), 10e-3));
+  const std::int32_t shapes[] = {world->addShape(makeShape("sphere", std::vector{1.2e-3})),
+                                 world->addShape(makeShape("ellipsoid", std::vector{2.2e-3, 1e-3, 1e-3}))};
+  Random random(4);
+  for (int k = 0; k < 48; ++k) {
+    NewBody body;
+    body.shapeIndex = shapes[k % 2];
+    body.pose.x = 5e-3 * Vec3(k % 4 / 2 - .5, k % 2 - .5, 0) + Vec3(0, 0, 3e-3 + 5e-3 * (k / 4));
+    body.pose.q = random.rotation();
+    body.density = 1300;
+    world->addBody(body);
+  }
+  return world;
+}
+
+TEST(TimeStep, HertzsBoundAtTheDeepestOverlapIsBelowThatOfTheContactsThatCome) {
+  auto world = makeElasticHeap(5e6);
+  std::vector<BodyKind> kinds;
+  for (const auto& shape : world->shapes) kinds.push_back({shape.get(), 0, 1300});
+  const double dt = 5e-6;
+  startHalfSteps(*world, dt, 0, true);
+  double smallest = infinity;
+  for (int n = 0; n < 20000; ++n) {
+    step(*world, dt);
+    if (n % 20 == 0) smallest = std::min(smallest, boundOfContacts(*world).bound);
+  }
+  world->options.expectedOverlap = world->report.deepestOverlap;
+  const TimeStepBound before = boundBeforeRun(kinds, world->materials, world->options);
+  // Eight contacts at once, all as deep as the deepest, never come.
+  EXPECT_LT(before.bound, smallest);
+  EXPECT_GT(before.bound, 0.1 * smallest);
+  EXPECT_NE(before.explanation.find("overlap"), std::string::npos);
+  // dF/d delta = 2 E* sqrt(R delta): four times the overlap, twice the stiffness, half the square of the step.
+  world->options.expectedOverlap *= 4;
+  EXPECT_NEAR(boundBeforeRun(kinds, world->materials, world->options).bound / before.bound, std::sqrt(.5), .1);
+}
+
+TEST(Law, OfHertzNeedsElasticMaterialsAndARuleOfItsDepth) {
+  WorldOptions options;
+  options.law = LawKind::hertz;
+  MaterialTable materials;
+  materials.add("stone", ContactParameters{});
+  EXPECT_THROW(World(options, materials), InputError);
+  ContactParameters contact;
+  setElasticity({1e9, .3}, {1e9, .3}, contact);
+  MaterialTable elastic;
+  elastic.add("stone", contact);
+  EXPECT_NO_THROW(World(options, elastic));
+  for (const PointRule rule : {PointRule::foundation, PointRule::stiffPatch}) {
+    options.rule.rule = rule;
+    EXPECT_THROW(World(options, elastic), InputError);
+  }
 }
 
 }  // namespace
