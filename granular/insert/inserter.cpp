@@ -51,8 +51,10 @@ void Inserter::checkOptions() const {
   require(options.minBatch >= 1 && options.maxBatch >= options.minBatch,
           fmt::format("insertion: batches of {} to {} particles; at least 1, ascending", options.minBatch,
                       options.maxBatch));
-  require(options.kind != PourOptions::Kind::rain || (options.rate > 0 && std::isfinite(options.rate)),
+  require(options.kind == PourOptions::Kind::batches || (options.rate > 0 && std::isfinite(options.rate)),
           fmt::format("insertion: rate {} 1/s is not positive", options.rate));
+  require((options.from.array() <= options.to.array()).all() && options.from.allFinite() && options.to.allFinite(),
+          "insertion: the corners of the box to drop from must be finite and in order");
   require(options.speed >= 0 && std::isfinite(options.speed),
           fmt::format("insertion: speed {} m/s is negative", options.speed));
   require(options.reach > 0 && options.attempts >= 1 && options.retry >= 0,
@@ -128,6 +130,28 @@ bool Inserter::place(const Columns& columns, double bedTop, NewParticle& particl
   return false;
 }
 
+bool Inserter::dropOne(const Columns& columns, NewParticle& particle) {
+  Random random = makeStream(seed, Use::pose, particle.number, progress.calls);
+  for (int attempt = 0; attempt < options.attempts; ++attempt) {
+    ++progress.attempts;
+    Quat q = Quat::Identity();
+    if (options.turn == PourOptions::Turn::any) {
+      q = random.rotation();
+    } else if (options.turn != PourOptions::Turn::none) {
+      Vec3 about = Vec3::Zero();
+      about[static_cast<int>(options.turn) - static_cast<int>(PourOptions::Turn::x)] = random.uniform(-pi, pi);
+      q = rotationFromVector(about);
+    }
+    Vec3 x;
+    for (int k = 0; k < 3; ++k) x[k] = random.uniform(options.from[k], options.to[k]);
+    if (!columns.isFree(*particle.shape, Frame(Pose{x, q}))) continue;
+    particle.pose = {x, q};
+    particle.velocity = {0, 0, -options.speed};
+    return true;
+  }
+  return false;
+}
+
 std::vector<NewParticle> Inserter::insert(double time, bool consolidated, std::span<const PlacedShape> present) {
   std::vector<NewParticle> fresh;
   if (!isDue(time, consolidated)) return fresh;
@@ -147,10 +171,12 @@ std::vector<NewParticle> Inserter::insert(double time, bool consolidated, std::s
     particle.number = progress.placed;
     particle.group = groupOf(particle.number);
     particle.shape = makeShape(particle.number);
-    if (!place(columns, bedTop, particle)) {
+    const bool drops = options.kind == PourOptions::Kind::drop;
+    if (!(drops ? dropOne(columns, particle) : place(columns, bedTop, particle))) {
       ++progress.postponed;
       progress.nextTime = time + options.retry;
-      if (consolidated && fresh.empty() && region.ceiling < infinity) ++progress.refusals;
+      // A bed at rest that leaves no place leaves none for ever: below a ceiling, or where particles drop from.
+      if (consolidated && fresh.empty() && (drops || region.ceiling < infinity)) ++progress.refusals;
       break;
     }
     progress.refusals = 0;

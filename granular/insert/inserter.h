@@ -26,10 +26,14 @@ struct PourGroup {
 };
 
 struct PourOptions {
-  enum class Kind : unsigned char { batches, rain };
+  enum class Kind : unsigned char { batches, rain, drop };
+  enum class Turn : unsigned char { any, x, y, z, none };
   Kind kind = Kind::batches;
   std::int64_t minBatch = 20, maxBatch = 60;  ///< batches: particles in each, uniform between both (S section 7)
-  double rate = 0;                            ///< rain: particles per second
+  double rate = 0;                            ///< rain and drop: particles per second
+  // drop: one after the other, centres uniform in a box, wherever the bed is.
+  Vec3 from = Vec3::Zero(), to = Vec3::Zero();  ///< its corners, m
+  Turn turn = Turn::any;  ///< orientation: uniform, or by a uniform angle about a world axis, or as the shape is
   /// Lowest plane above the bed's top where particles are put, m. Not given: the lowest free place of the column, which
   /// may lie in a hollow of the bed.
   std::optional<double> height;
@@ -73,7 +77,8 @@ class Inserter {
 
   /// Places what is due beside the particles that are there and returns it, in order of number. time: simulated, s;
   /// consolidated: what was placed before has come to rest. Where the region has a ceiling and the next particle finds
-  /// no place below it on a bed at rest, several calls in a row, the region is full and the pouring done.
+  /// no place below it on a bed at rest, several calls in a row, the region is full and the pouring done; so it is where
+  /// the bed has grown into the place particles drop from.
   std::vector<NewParticle> insert(double time, bool consolidated, std::span<const PlacedShape> present);
 
   /// True once every particle is in, or the region is full.
@@ -98,6 +103,7 @@ class Inserter {
   void beginBatch();
   std::int64_t countDue(double time) const;
   bool place(const Columns& columns, double bedTop, NewParticle& particle);
+  bool dropOne(const Columns& columns, NewParticle& particle);
 
   PourOptions options;
   std::vector<PourGroup> groups;

@@ -102,7 +102,7 @@ void Columns::add(const Shape& shape, const Frame& frame) {
 
   // Images of a particle near a repeating side stand beyond the opposite one, where others may meet them.
   const bool periodic = region.kind == Region::Kind::periodic;
-  const Vec2 size = region.hi - region.lo;
+  const Vec2 size = periodic ? Vec2(region.hi - region.lo) : Vec2::Zero();  // an open region has none
   for (int i = -1; i <= 1; ++i) {
     for (int j = -1; j <= 1; ++j) {
       if ((i != 0 && !(periodic && region.repeatX)) || (j != 0 && !(periodic && region.repeatY))) continue;

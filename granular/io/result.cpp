@@ -41,6 +41,7 @@ std::string formatResult(const RunResult& r) {
       {"overall", number(r.solidOverall)}, {"near_wall", number(r.solidNearWall)}, {"core", number(r.solidCore)}};
   json["filling_height_m"] = number(r.fillingHeight);
   json["coordination_number"] = number(r.coordination);
+  for (const auto& [name, value] : r.headline) json[name] = number(value);
   json["max_overlap_over_size"] = number(r.maxOverlapOverSize);
   json["kinetic_energy_j"] = number(r.kineticEnergy);
   json["contacts"] = {{"now", r.contactsNow},

@@ -32,6 +32,7 @@ struct RunResult {
   std::optional<double> solidOverall, solidNearWall, solidCore;
   std::optional<double> fillingHeight;  ///< m
   std::optional<double> coordination;
+  std::vector<std::pair<std::string, std::optional<double>>> headline;  ///< what a study is about, at the top level
   double maxOverlapOverSize = 0;  ///< ever, over the radius of the sphere of equal volume
   double kineticEnergy = 0;       ///< J
 

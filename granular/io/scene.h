@@ -155,12 +155,15 @@ struct ParticleSettings {
 };
 
 struct InsertionSettings {
-  enum class Kind { batches, rain, poses, bed };
+  enum class Kind { batches, rain, drop, poses, bed };
   enum class Orientation { random, upright };
+  enum class Turn { any, x, y, z, none };
   Kind kind = Kind::batches;
-  std::int64_t count = 0;        ///< in all groups together; 0: the groups' counts say it
-  Interval batch{20, 60};        ///< particles per batch (S table 7)
-  double rate = 0;               ///< rain, 1/s
+  std::int64_t count = 0;                       ///< in all groups together; 0: the groups' counts say it
+  Interval batch{20, 60};                       ///< particles per batch (S table 7)
+  double rate = 0;                              ///< rain and drop, 1/s
+  Vec3 from = Vec3::Zero(), to = Vec3::Zero();  ///< drop: corners of the box of the centres, m
+  Turn turn = Turn::any;                        ///< drop: orientation
   std::optional<double> height;  ///< lowest insertion plane above the bed's top, m; not given: the lowest free place
   double speed = 0;              ///< downwards, m/s
   Orientation orientation = Orientation::random;

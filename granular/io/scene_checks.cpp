@@ -241,6 +241,9 @@ void checkScene(const Scene& scene, const Report& report) {
   checkParticles(scene, report);
   checkCounts(scene, report);
   checkWalls(scene, report);
+  const InsertionSettings& insertion = scene.insertion;
+  if (insertion.kind == InsertionSettings::Kind::drop && (insertion.from.array() > insertion.to.array()).any())
+    report("insertion.to", "must not be below insertion.from in any direction");
   if (scene.skip.size() > 1)
     for (const std::string& name : scene.skip)
       if (name == "all" || name == "none") report("skip", "\"" + name + "\" stands alone");

@@ -38,7 +38,8 @@ constexpr std::string_view uses[] = {"hull", "exact"};
 constexpr std::string_view distributions[] = {"fixed", "uniform", "normal", "lognormal", "sieve"};
 constexpr std::string_view bys[] = {"number", "mass"};
 constexpr std::string_view sizeMeanings[] = {"multiplier", "diameter"};
-constexpr std::string_view insertions[] = {"batches", "rain", "poses", "bed"};
+constexpr std::string_view insertions[] = {"batches", "rain", "drop", "poses", "bed"};
+constexpr std::string_view turns[] = {"any", "x", "y", "z", "none"};
 constexpr std::string_view orientations[] = {"random", "upright"};
 constexpr std::string_view settleKinds[] = {"none", "freeze", "sleep"};
 constexpr std::string_view actions[] = {"stop", "continue"};
@@ -241,18 +242,27 @@ void visitParticles(KeyVisitor& v, ParticleSettings& s) {
 }
 
 void visitInsertion(KeyVisitor& v, InsertionSettings& s) {
-  v.readKind({"kind", "batches at random above the bed; rain at a rate; a file of poses; an earlier bed"}, s.kind,
-             insertions);
-  v.readInteger({"count", "particles in all, shared among the groups by their share", "batches|rain"}, s.count,
+  v.readKind({"kind",
+              "batches at random above the bed; rain at a rate; dropped one by one from one place; a file of poses; an "
+              "earlier "
+              "bed"},
+             s.kind, insertions);
+  v.readInteger({"count", "particles in all, shared among the groups by their share", "batches|rain|drop"}, s.count,
                 atLeastOne);
   v.readInterval({"batch", "particles per batch, one number or [fewest, most]", "batches"}, s.batch, D::none,
                  atLeastOne);
-  v.readNumber({"rate", "particles per second", "rain", true}, s.rate, D::rate, positive);
+  v.readNumber({"rate", "particles per second", "rain|drop", true}, s.rate, D::rate, positive);
+  v.readVector(
+      {"from", "lowest corner of the box in which the centres fall uniformly, wherever the bed is", "drop", true},
+      s.from, D::length, anything);
+  v.readVector({"to", "its highest corner", "drop", true}, s.to, D::length, anything);
+  v.readEnum({"turn", "orientation: any, or turned about a world axis by any angle, or as the shape is", "drop"},
+             s.turn, turns);
   v.readOptional(
       {"height", "lowest place of insertion above the bed's top; auto: the lowest free one, in hollows of the bed too",
        "batches|rain"},
       s.height, D::length, notNegative);
-  v.readNumber({"speed", "downwards at insertion", "batches|rain"}, s.speed, D::velocity, notNegative);
+  v.readNumber({"speed", "downwards at insertion", "batches|rain|drop"}, s.speed, D::velocity, notNegative);
   v.readEnum({"orientation", "at insertion", "batches|rain"}, s.orientation, orientations);
   v.readNumber(
       {"energy", "a batch is consolidated when the kinetic energy per particle is below this times m g d", "batches"},

@@ -57,7 +57,10 @@ RunResult collectRun(const PackingRun& run, RunEnd end, int threads) {
   }
   const Inserter& pour = run.inserter();
   const std::int64_t leftOut = pour.isFull() ? pour.count() - pour.state().placed : 0;
-  if (leftOut > 0) {
+  if (leftOut > 0 && run.scene().insertion.kind == InsertionSettings::Kind::drop) {
+    result.notes.push_back(fmt::format("The bed has grown into the place particles drop from: {} of {} are in.",
+                                       pour.state().placed, pour.count()));
+  } else if (leftOut > 0) {
     result.notes.push_back(
         fmt::format("The vessel is full: {} of {} particles are in; the next found no place below its rim at {:g} m.",
                     pour.state().placed, pour.count(), makeRegion(run.scene()).ceiling));

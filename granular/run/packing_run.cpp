@@ -111,7 +111,12 @@ void PackingRun::makePour() {
   const InsertionSettings& insertion = settings.insertion;
   std::vector<PourGroup> groups = makePourGroups(settings);
   PourOptions options;
-  options.kind = insertion.kind == InsertionSettings::Kind::rain ? PourOptions::Kind::rain : PourOptions::Kind::batches;
+  options.kind = insertion.kind == InsertionSettings::Kind::rain   ? PourOptions::Kind::rain
+                 : insertion.kind == InsertionSettings::Kind::drop ? PourOptions::Kind::drop
+                                                                   : PourOptions::Kind::batches;
+  options.from = insertion.from;
+  options.to = insertion.to;
+  options.turn = static_cast<PourOptions::Turn>(insertion.turn);
   options.minBatch = static_cast<std::int64_t>(insertion.batch.lo);
   options.maxBatch = static_cast<std::int64_t>(insertion.batch.hi);
   options.rate = insertion.rate;
@@ -410,7 +415,7 @@ std::string PackingRun::describePlan() const {
   const double particles = static_cast<double>(pour->count()) + static_cast<double>(state->bodies.size());
   const double batch = 0.5 * (settings.insertion.batch.lo + settings.insertion.batch.hi);
   // A batch needs a fall of some millimetres and a few bounces: about .08 s; the end about .3 s.
-  const double simulated = settings.insertion.kind == InsertionSettings::Kind::rain
+  const double simulated = settings.insertion.rate > 0
                                ? static_cast<double>(pour->count()) / settings.insertion.rate + 0.3
                                : 0.08 * static_cast<double>(pour->count()) / batch + 0.3;
   const double steps = simulated / dt;

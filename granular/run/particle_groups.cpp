@@ -220,10 +220,13 @@ std::vector<std::int64_t> countsOf(const Scene& scene) {
 }  // namespace
 
 std::vector<PourGroup> makePourGroups(const Scene& scene) {
+  // Dropped particles say themselves where they fall.
   const bool pours =
       scene.insertion.kind == InsertionSettings::Kind::batches || scene.insertion.kind == InsertionSettings::Kind::rain;
   require(!pours || scene.vessel.kind != VesselSettings::Kind::none,
-          scene.file.string() + ": vessel.kind = \"none\" leaves no place to pour into: give a vessel, or poses");
+          scene.file.string() +
+              ": vessel.kind = \"none\" leaves no place to pour into: give a vessel, drop the particles from a place, "
+              "or give poses");
   const std::vector<std::int64_t> counts = countsOf(scene);
   std::vector<PourGroup> groups;
   for (std::size_t k = 0; k < scene.particles.size(); ++k) {

@@ -166,6 +166,12 @@ Region makeRegion(const Scene& scene) {
   region.repeatY = repeats(vessel, "y");
   region.lo = -0.5 * vessel.size.head<2>();
   region.hi = 0.5 * vessel.size.head<2>();
+  if (vessel.kind == VesselSettings::Kind::none) {
+    // Dropped particles need no vessel: the walls hold them.
+    region.lo.setConstant(-infinity);
+    region.hi.setConstant(infinity);
+    region.floor = -infinity;
+  }
   if (vessel.kind != VesselSettings::Kind::none && !repeats(vessel, "z")) region.ceiling = vessel.size.z();
   return region;
 }

@@ -8,22 +8,19 @@
 
 namespace granular {
 
-Mat3 curvatureOf(const Shape& shape, const Vec3& n) {
+Curvature curvatureOf(const Shape& shape, const Vec3& n, const Vec3& u) {
   assert(shape.kind() != ShapeKind::clump);
-  const Mat3 plane = Mat3::Identity() - n * n.transpose();
   // The size of a sphere is its radius; of a body with faces, edges or vertices, that of the sphere of equal volume.
-  if (shape.kind() != ShapeKind::ellipsoid) return (1 / shape.size()) * plane;
+  if (shape.kind() != ShapeKind::ellipsoid) return ballCurvature(shape.size());
   const Vec3& semi = static_cast<const Ellipsoid&>(shape).semiAxes();
   const double height = semi.cwiseProduct(n).norm();
-  const Vec3 inverse = semi.cwiseProduct(semi).cwiseInverse();
-  return height * (plane * inverse.asDiagonal() * plane);
+  const Vec3 inverse = semi.cwiseInverse();
+  const Vec3 first = inverse.cwiseProduct(u), second = inverse.cwiseProduct(n.cross(u));
+  return {height * first.squaredNorm(), height * second.squaredNorm(), height * first.dot(second)};
 }
 
-double effectiveRadius(const Mat3& sum, double flattest) {
-  // One eigenvalue is 0, along the normal: the other two from the invariants.
-  const double middle = 0.5 * sum.trace();
-  const double product = 0.5 * (sum.trace() * sum.trace() - sum.squaredNorm());
-  const double spread = std::sqrt(std::max(0.0, middle * middle - product));
+double effectiveRadius(const Curvature& sum, double flattest) {
+  const double middle = 0.5 * (sum.uu + sum.vv), spread = std::hypot(0.5 * (sum.uu - sum.vv), sum.uv);
   const double least = 1 / flattest;
   return 1 / std::sqrt(std::max(middle + spread, least) * std::max(middle - spread, least));
 }

@@ -1,9 +1,9 @@
 // How strongly surfaces curve where they touch, for laws whose stiffness depends on it (Hertz).
 //
-// The curvature of a surface is the symmetric matrix S that maps a step along it to the turn of its outward normal:
-// S n = 0, and its other two eigenvalues are the principal curvatures, positive where the body is round. For the
-// ellipsoid x.D^-2 x = 1 with the outward unit normal n it is h P D^-2 P, h = |D n| the height of the tangent plane,
-// P = 1 - n n. Two surfaces that touch part as 1/2 s.(S_A + S_B) s: the principal curvatures l1, l2 of the sum are
+// The curvature of a surface is the symmetric matrix S that maps a step along it to the turn of its outward normal; in
+// the tangent plane its eigenvalues are the principal curvatures, positive where the body is round. For the
+// ellipsoid x.D^-2 x = 1 with the outward unit normal n it is h D^-2 in that plane, h = |D n| the height of the
+// plane. Two surfaces that touch part as 1/2 s.(S_A + S_B) s: the principal curvatures l1, l2 of the sum are
 // Hertz's 2 A and 2 B, and the effective radius is R = 1/(2 sqrt(A B)) = 1/sqrt(l1 l2) (Markauskas et al. 2010, 19).
 //
 // Bodies with faces, edges or vertices have no such matrix everywhere, and a contact that went from face to edge would
@@ -15,13 +15,22 @@
 
 namespace granular {
 
-/// The curvature of a shape where its outward unit normal is n, body axes, 1/m. A clump: that of its hull does not
-/// exist; ask its children.
-Mat3 curvatureOf(const Shape& shape, const Vec3& n);
+/// The curvature in a tangent plane with unit axes u and v = n x u, 1/m.
+struct Curvature {
+  double uu = 0, vv = 0, uv = 0;
+  Curvature operator+(const Curvature& other) const { return {uu + other.uu, vv + other.vv, uv + other.uv}; }
+};
+
+/// A ball's: the same in all directions.
+inline Curvature ballCurvature(double radius) { return {1 / radius, 1 / radius, 0}; }
+
+/// The curvature of a shape where its outward unit normal is n; u: unit, perpendicular to n; body axes. No clumps: ask
+/// their children.
+Curvature curvatureOf(const Shape& shape, const Vec3& n, const Vec3& u);
 
 /// R of the sum of two curvatures, m. flattest: no principal radius of the sum counts as larger than this, m; a hollow
 /// wall as round as the body, or rounder, would otherwise have none.
-double effectiveRadius(const Mat3& sum, double flattest);
+double effectiveRadius(const Curvature& sum, double flattest);
 
 /// The largest effective radius of a shape on a plane, m; of a clump, of any child.
 double largestRadius(const Shape& shape);

@@ -31,6 +31,7 @@ class MovingWall final : public Wall {
     return atRest->clearance(axes.toBody(centre), radius);
   }
   bool admits(const Vec3& p) const override { return atRest->admits(axes.toBody(p)); }
+  bool isFlat() const override { return atRest->isFlat(); }
   Mat3 curvatureAt(const Vec3& p) const override {
     return axes.R * atRest->curvatureAt(axes.toBody(p)) * axes.R.transpose();
   }

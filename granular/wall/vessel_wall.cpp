@@ -226,6 +226,7 @@ class VesselWall final : public Wall {
     return vessel.radius - vessel.fromAxis(centre).norm() - radius;
   }
   bool admits(const Vec3& p) const override { return vessel.fromAxis(p).norm() < vessel.radius; }
+  bool isFlat() const override { return false; }
   Mat3 curvatureAt(const Vec3& p) const override {
     const Vec2 r = vessel.fromAxis(p).normalized();
     const Vec3 around(-r.y(), r.x(), 0);

@@ -40,6 +40,8 @@ class Wall {
   /// The curvature of its surface at a point of it (shape/curvature.h), world axes, 1/m: 0 where flat, and at the edges
   /// of a mesh too; negative where hollow.
   virtual Mat3 curvatureAt(const Vec3& /*p*/) const { return Mat3::Zero(); }
+  /// True if that is 0 everywhere.
+  virtual bool isFlat() const { return true; }
 
   virtual std::string describe() const = 0;
 

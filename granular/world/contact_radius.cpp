@@ -6,46 +6,52 @@
 namespace granular {
 namespace {
 
-/// One surface of a contact: a ball of this radius, or any other, with its curvature in world axes.
+/// One surface of a contact.
 struct Surface {
-  double ball = 0;  ///< 0: none
+  double ball = 0;  ///< radius of what counts as a ball, m; 0: the body curves as it does
   double size = infinity;
-  Mat3 curvature = Mat3::Zero();
 };
 
-/// n: outward unit normal, world axes.
-void lookAt(const Bodies& bodies, std::int32_t index, std::int32_t child, const Vec3& n, Surface& out) {
-  const auto i = static_cast<std::size_t>(index);
-  const Shape& shape = *bodies.shape[i];
+Surface lookAt(const Bodies& bodies, std::int32_t index, std::int32_t child) {
+  const Shape& shape = *bodies.shape[static_cast<std::size_t>(index)];
   if (child >= 0) {
-    out.ball = out.size = static_cast<const Clump&>(shape).children()[static_cast<std::size_t>(child)].radius;
-    return;
+    const double radius = static_cast<const Clump&>(shape).children()[static_cast<std::size_t>(child)].radius;
+    return {radius, radius};
   }
-  out.size = shape.size();
-  if (shape.kind() != ShapeKind::ellipsoid) {
-    out.ball = shape.size();
-    return;
-  }
-  const Frame& frame = bodies.frame[i];
-  out.curvature = frame.R * curvatureOf(shape, frame.unrotate(n)) * frame.R.transpose();
+  return {shape.kind() == ShapeKind::ellipsoid ? 0 : shape.size(), shape.size()};
+}
+
+/// n: outward unit normal of that body, u: perpendicular to it, world axes; the answer in u and n x u.
+Curvature curvatureAt(const Bodies& bodies, std::int32_t index, const Surface& surface, const Vec3& n, const Vec3& u) {
+  if (surface.ball > 0) return ballCurvature(surface.ball);
+  const auto i = static_cast<std::size_t>(index);
+  return curvatureOf(*bodies.shape[i], bodies.frame[i].unrotate(n), bodies.frame[i].unrotate(u));
 }
 
 }  // namespace
 
 double contactRadius(const World& world, const Contact& contact) {
   const Vec3& n = contact.touch.normal;
-  Surface a, b;
-  lookAt(world.bodies, contact.a, contact.spot.childA, n, a);
-  if (contact.b >= 0) {
-    lookAt(world.bodies, contact.b, contact.spot.childB, -n, b);
-    if (a.ball > 0 && b.ball > 0) return a.ball * b.ball / (a.ball + b.ball);
-  } else {
-    b.curvature = world.walls[static_cast<std::size_t>(-1 - contact.b)]->curvatureAt(contact.patch.point);
+  const Surface a = lookAt(world.bodies, contact.a, contact.spot.childA);
+  if (contact.b < 0) {
+    const Wall& wall = *world.walls[static_cast<std::size_t>(-1 - contact.b)];
+    if (wall.isFlat() && a.ball > 0) return a.ball;
+    const Vec3 u = perpendicular(n), v = n.cross(u);
+    Curvature sum = curvatureAt(world.bodies, contact.a, a, n, u);
+    if (!wall.isFlat()) {
+      const Mat3 hollow = wall.curvatureAt(contact.patch.point);
+      sum = sum + Curvature{u.dot(hollow * u), v.dot(hollow * v), u.dot(hollow * v)};
+    }
+    return effectiveRadius(sum, tolerance::flattest * a.size);
   }
-  Mat3 sum = a.curvature + b.curvature;
-  const double balls = (a.ball > 0 ? 1 / a.ball : 0) + (b.ball > 0 ? 1 / b.ball : 0);
-  if (balls > 0) sum += balls * (Mat3::Identity() - n * n.transpose());
-  return effectiveRadius(sum, tolerance::flattest * std::min(a.size, b.size));
+  const Surface b = lookAt(world.bodies, contact.b, contact.spot.childB);
+  if (a.ball > 0 && b.ball > 0) return a.ball * b.ball / (a.ball + b.ball);
+  // Seen from B, v = -n x u points the other way: the mixed term changes its sign.
+  const Vec3 u = perpendicular(n);
+  Curvature other = curvatureAt(world.bodies, contact.b, b, -n, u);
+  other.uv = -other.uv;
+  return effectiveRadius(curvatureAt(world.bodies, contact.a, a, n, u) + other,
+                         tolerance::flattest * std::min(a.size, b.size));
 }
 
 }  // namespace granular

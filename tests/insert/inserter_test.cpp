@@ -273,5 +273,73 @@ TEST(Inserter, ImpossibleOptionsAreRefused) {
   refused(options);
 }
 
+TEST(Inserter, DroppedParticlesComeOneByOneFromTheirBoxTurnedAboutTheirAxis) {
+  PourOptions options;
+  options.kind = PourOptions::Kind::drop;
+  options.rate = 25;
+  options.from = {2e-3, 0, .15};
+  options.to = {2.5e-3, 0, .16};
+  options.turn = PourOptions::Turn::y;
+  options.speed = .3;
+  Region open;
+  open.lo.setConstant(-infinity);
+  open.hi.setConstant(infinity);
+  Inserter inserter(options, {makeSpheres(50, 1e-3)}, open, {}, 3);
+  std::vector<NewParticle> all;
+  double turned = 0;
+  for (double time = 0; !inserter.isDone(); time += .04) {
+    ASSERT_LT(time, 3);
+    for (const NewParticle& p : inserter.insert(time + 1e-9, false, {})) {
+      EXPECT_GE(p.pose.x.x(), 2e-3);
+      EXPECT_LT(p.pose.x.x(), 2.5e-3);
+      EXPECT_EQ(p.pose.x.y(), 0);
+      EXPECT_GE(p.pose.x.z(), .15);
+      EXPECT_EQ(p.pose.q.x(), 0);
+      EXPECT_EQ(p.pose.q.z(), 0);
+      EXPECT_EQ(p.velocity, Vec3(0, 0, -.3));
+      turned = std::max(turned, std::abs(p.pose.q.y()));
+      all.push_back(p);
+    }
+    EXPECT_EQ(all.size(), static_cast<std::size_t>(std::lround(time / .04)) + 1);
+  }
+  EXPECT_GT(turned, .9);
+}
+
+TEST(Inserter, DroppedParticleWaitsWhileItsPlaceIsTaken) {
+  PourOptions options;
+  options.kind = PourOptions::Kind::drop;
+  options.rate = 100;
+  options.from = options.to = {0, 0, .1};
+  options.turn = PourOptions::Turn::none;
+  Region open;
+  open.lo.setConstant(-infinity);
+  open.hi.setConstant(infinity);
+  Inserter inserter(options, {makeSpheres(2, 1e-3)}, open, {}, 3);
+  const std::vector<NewParticle> first = inserter.insert(0, false, {});
+  ASSERT_EQ(first.size(), 1u);
+  const std::vector<PlacedShape> there = {{first[0].shape.get(), Frame(first[0].pose)}};
+  EXPECT_TRUE(inserter.insert(.02, false, there).empty());
+  EXPECT_EQ(inserter.state().postponed, 1);
+  EXPECT_EQ(inserter.insert(.04, false, {}).size(), 1u);
+}
+
+TEST(Inserter, DroppingEndsWhereABedAtRestFillsThePlace) {
+  PourOptions options;
+  options.kind = PourOptions::Kind::drop;
+  options.rate = 100;
+  options.from = options.to = {0, 0, .1};
+  Region open;
+  open.lo.setConstant(-infinity);
+  open.hi.setConstant(infinity);
+  Inserter inserter(options, {makeSpheres(9, 1e-3)}, open, {}, 3);
+  const std::vector<NewParticle> first = inserter.insert(0, false, {});
+  const std::vector<PlacedShape> there = {{first[0].shape.get(), Frame(first[0].pose)}};
+  for (double time = .01; time < .2; time += .01) inserter.insert(time, false, there);
+  EXPECT_FALSE(inserter.isDone()) << "the bed still moves";
+  for (double time = .2; time < .4; time += .01) inserter.insert(time, true, there);
+  EXPECT_TRUE(inserter.isDone());
+  EXPECT_TRUE(inserter.isFull());
+}
+
 }  // namespace
 }  // namespace granular

@@ -10,6 +10,7 @@
 #include "granular/shape/polyhedron.h"
 #include "granular/shape/shape_table.h"
 #include "granular/shape/sphere.h"
+#include "granular/world/contact_radius.h"
 #include "granular/world/stages.h"
 #include "granular/world/time_step.h"
 #include "granular/world/world.h"
@@ -275,6 +276,41 @@ TEST(TimeStep, HertzsBoundAtTheDeepestOverlapIsBelowThatOfTheContactsThatCome) {
   // dF/d delta = 2 E* sqrt(R delta): four times the overlap, twice the stiffness, half the square of the step.
   world->options.expectedOverlap *= 4;
   EXPECT_NEAR(boundBeforeRun(kinds, world->materials, world->options).bound / before.bound, std::sqrt(.5), .1);
+}
+
+TEST(Law, RadiusOfAContactIsThatOfTheSumOfBothCurvatures) {
+  // In a heap, against the invariants of the sum of the 3 x 3 matrices h P D^-2 P.
+  auto world = makeElasticHeap(5e6);
+  startHalfSteps(*world, 5e-6, 0, true);
+  const auto curvature = [&](std::int32_t body, const Vec3& n) -> Mat3 {
+    const Shape& shape = *world->bodies.shape[static_cast<std::size_t>(body)];
+    const Mat3 plane = Mat3::Identity() - n * n.transpose();
+    if (shape.kind() == ShapeKind::sphere) return plane / shape.size();
+    const Frame& frame = world->bodies.frame[static_cast<std::size_t>(body)];
+    const Vec3 semi(2.2e-3, 1e-3, 1e-3), local = frame.unrotate(n);
+    const Vec3 inverse = semi.cwiseProduct(semi).cwiseInverse();
+    return semi.cwiseProduct(local).norm() * (plane * frame.R * inverse.asDiagonal() * frame.R.transpose() * plane);
+  };
+  int mixed = 0;
+  const auto check = [&](const Contact& contact) {
+    const Vec3& n = contact.touch.normal;
+    Mat3 sum = curvature(contact.a, n);
+    if (contact.b >= 0) {
+      sum += curvature(contact.b, -n);
+      ++mixed;
+    } else if (contact.b == -2) {
+      // The vessel is hollow across its axis.
+      const Vec3 around = Vec3::UnitZ().cross(n).normalized();
+      sum -= around * around.transpose() / 10e-3;
+    }
+    const double expected = 1 / std::sqrt(0.5 * (sum.trace() * sum.trace() - sum.squaredNorm()));
+    EXPECT_NEAR(contactRadius(*world, contact), expected, 1e-9 * expected);
+  };
+  for (int n = 0; n < 12000; ++n) {
+    step(*world, 5e-6);
+    if (n % 50 == 0) world->visitContacts(check);
+  }
+  EXPECT_GT(mixed, 40);
 }
 
 TEST(Law, OfHertzNeedsElasticMaterialsAndARuleOfItsDepth) {
