@@ -106,7 +106,7 @@ void addOptions(CLI::App& app, Options& o) {
                  "particles whose kinetic energy is below this times m g d may sleep; 0: none (default 1e-4)");
   app.add_option("--dt", o.step, "time step, s; default: half of the stability bound");
   app.add_flag("--three-d", p.space, "a cone in space, from a hopper");
-  app.add_option("--orifice", p.orifice, "--three-d: diameter of the hopper's opening, m (default 0.02)");
+  app.add_option("--orifice", p.orifice, "--three-d: diameter of the hopper's opening, m (default 0.03)");
   app.add_option("--outlet", p.outlet, "--three-d: height of the opening above the floor, m (default 0.06)");
   app.add_option("--threads", o.threads, "0: all cores (default 1; the result does not depend on it)");
   app.add_option("--set", o.overrides, "key.path=value, over the scene that is made; may be repeated")

@@ -37,7 +37,7 @@ struct PileSettings {
 
   // A cone in space.
   bool space = false;
-  double orifice = 20e-3;  ///< diameter, m
+  double orifice = 30e-3;  ///< diameter, m
   double outlet = 60e-3;   ///< height of the orifice above the floor, m
 };
 
@@ -50,8 +50,8 @@ double expectedOverlap(const PileSettings& settings);
 /// The scene. folder: where the hopper's mesh is (writeHopper); only named in a scene in space.
 std::string formatPileScene(const PileSettings& settings);
 
-/// The hopper of a cone: a funnel at 60 degrees to the floor under a shaft, open at both ends, its surface towards the
-/// inside; written as folder/hopper.obj, m.
+/// The hopper of a cone: a funnel at 60 degrees to the floor under a shaft, open at both ends, with walls of some
+/// thickness; written as folder/hopper.obj, m.
 void writeHopper(const PileSettings& settings, const std::filesystem::path& folder);
 
 /// What is measured of a pile.
@@ -63,6 +63,7 @@ struct PileResult {
   std::optional<double> porositySmooth;     ///< with the ellipsoids' sections ("MS ellipse")
   double coordinationParticles = 0;         ///< particles touched by a particle, mean
   double coordinationSpheres = 0;           ///< contacts of a particle's children with others', mean
+  std::vector<std::string> notes;           ///< troubles of the run
   double potentialContacts = 0;  ///< pairs of particles, or of children, near enough to be looked at, per particle
 };
 

@@ -127,6 +127,7 @@ PileResult writePileReport(const PackingRun& run, RunEnd end, int threads, const
   result.potentialContacts = countPotentialContacts(run.world());
 
   RunResult report = writeReport(run, end, threads, out);
+  for (const Trouble& trouble : run.world().report.troubles) result.notes.push_back(describe(trouble));
   report.headline = {{"repose_angle_deg", result.angle},
                      {"repose_angle_error_deg", result.angleError},
                      {"pile_height_m", result.height},
@@ -155,6 +156,7 @@ std::string formatPile(const PileResult& r) {
                         show(r.porositySmooth, ""));
   text += fmt::format("coordination: {:.3f} particles, {:.3f} contacts; potential contacts per particle {:.1f}\n",
                       r.coordinationParticles, r.coordinationSpheres, r.potentialContacts);
+  for (const std::string& note : r.notes) text += "trouble: " + note + "\n";
   return text;
 }
 

@@ -103,12 +103,15 @@ std::string formatPileScene(const PileSettings& s) {
 }
 
 void writeHopper(const PileSettings& s, const std::filesystem::path& folder) {
-  // Rings of 48 points from the orifice over the upper end of the funnel to above the filling.
+  // Rings of 48 points around a section of the wall: up the inside, down the outside. Thicker than a particle is wide,
+  // so that one that jumps against it from outside is not taken for one inside.
   constexpr int around = 48;
-  const double narrow = 0.5 * s.orifice, wide = hopperRadius(s);
+  const double narrow = 0.5 * s.orifice, wide = hopperRadius(s), thick = 2 * s.halfLength;
   const double joint = s.outlet + std::sqrt(3.0) * (wide - narrow);
   const double rim = std::max(joint, fillHeight(s)) + 2 * s.orifice;
-  const std::pair<double, double> rings[] = {{narrow, s.outlet}, {wide, joint}, {wide, rim}};
+  const std::pair<double, double> rings[] = {{narrow, s.outlet},  {wide, joint},         {wide, rim},
+                                             {wide + thick, rim}, {wide + thick, joint}, {narrow + thick, s.outlet}};
+  constexpr int count = std::size(rings);
   std::string text;
   for (const auto& [radius, z] : rings) {
     for (int k = 0; k < around; ++k) {
@@ -116,11 +119,12 @@ void writeHopper(const PileSettings& s, const std::filesystem::path& folder) {
       text += fmt::format("v {} {} {}\n", radius * std::cos(azimuth), radius * std::sin(azimuth), z);
     }
   }
-  // Wound so that normals point to the axis; OBJ counts from 1.
-  for (int ring = 0; ring < 2; ++ring) {
+  // Wound so that normals point away from the wall; OBJ counts from 1.
+  for (int ring = 0; ring < count; ++ring) {
+    const int up = (ring + 1) % count * around - ring * around;
     for (int k = 0; k < around; ++k) {
       const int a = ring * around + k + 1, b = ring * around + (k + 1) % around + 1;
-      text += fmt::format("f {} {} {}\nf {} {} {}\n", a, a + around, b, b, a + around, b + around);
+      text += fmt::format("f {} {} {}\nf {} {} {}\n", a, a + up, b, b, a + up, b + up);
     }
   }
   OutputFile file(folder / "hopper.obj");

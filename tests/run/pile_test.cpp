@@ -127,11 +127,12 @@ TEST_F(Pile, OfEllipsoidsAndOfClumpsIsMeasured) {
 }
 
 TEST_F(Pile, GoesOnFromItsCheckpointToTheSameBits) {
-  const PileSettings settings = makeQuick();
+  PileSettings settings = makeQuick();
+  settings.count = 12;
   PackingRun whole(writeScene(settings, "whole"));
   whole.run(folder / "whole", never);
   SceneSource source = writeScene(settings, "parts");
-  source.overrides.push_back("time.max_time=0.3");
+  source.overrides.push_back("time.max_time=0.2");
   PackingRun first(source);
   ASSERT_EQ(first.run(folder / "parts", never), RunEnd::outOfTime);
   PackingRun second = PackingRun::resumed(folder / "parts", {"time.max_time=inf"});
