@@ -3,13 +3,10 @@
 #include <BulletCollision/CollisionShapes/btConvexInternalShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 
+#include "granular/shape/bullet_vectors.h"
+
 namespace granular {
 namespace {
-
-static_assert(sizeof(btScalar) == 8, "Bullet must be the double-precision build");
-
-btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-Vec3 fromBullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
 /// A shape of ours, scaled, as Bullet's solver sees it: its support function is all that is asked for.
 class ScaledShape final : public btConvexInternalShape {

@@ -4,30 +4,29 @@
 
 #include <algorithm>
 
+#include "granular/shape/bullet_vectors.h"
+
 namespace granular {
 namespace {
 
 /// Bullet's default (gContactBreakingThreshold), which it takes relative to a shape's bounding radius.
 constexpr double breakingThreshold = 0.02;
 
-btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-Vec3 fromBullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
-
-btTransform toBullet(const Frame& frame) {
+btTransform toBulletTransform(const Frame& frame) {
   const Mat3& R = frame.R;
   return btTransform(btMatrix3x3(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)),
                      toBullet(frame.x));
 }
 
 /// Bullet's normal points from B to A, and its distance is negative inside. m_index0 carries the spot.
-btManifoldPoint toBullet(const ManifoldPoint& p, double scale) {
+btManifoldPoint toBulletPoint(const ManifoldPoint& p, double scale) {
   btManifoldPoint point(toBullet(scale * p.onA), toBullet(scale * p.onB), toBullet(-p.normal), -scale * p.overlap);
   point.m_index0 = p.spot;
   point.m_lifeTime = p.age;
   return point;
 }
 
-ManifoldPoint fromBullet(const btManifoldPoint& point, double scale) {
+ManifoldPoint fromBulletPoint(const btManifoldPoint& point, double scale) {
   ManifoldPoint p;
   p.onA = fromBullet(point.m_localPointA) / scale;
   p.onB = fromBullet(point.m_localPointB) / scale;
@@ -40,7 +39,7 @@ ManifoldPoint fromBullet(const btManifoldPoint& point, double scale) {
 
 /// As btManifoldResult::addContactPoint does: a point near a kept one takes its place and its number.
 void addTouch(const ManifoldPoint& found, double scale, btPersistentManifold& bullet, std::int32_t& nextSpot) {
-  btManifoldPoint point = toBullet(found, scale);
+  btManifoldPoint point = toBulletPoint(found, scale);
   const int near = bullet.getCacheEntry(point);
   if (near >= 0) {
     point.m_index0 = bullet.getContactPoint(near).m_index0;
@@ -60,7 +59,7 @@ int refreshManifold(const Shape& a, const Frame& frameA, const Shape& b, const F
   const double threshold = breakingThreshold * scale * std::min(a.boundingRadius(), b.boundingRadius());
   btPersistentManifold bullet(nullptr, nullptr, 0, threshold, threshold);
   for (int k = 0; k < manifold.count; ++k) {
-    const btManifoldPoint point = toBullet(manifold.points[static_cast<std::size_t>(k)], scale);
+    const btManifoldPoint point = toBulletPoint(manifold.points[static_cast<std::size_t>(k)], scale);
     bullet.addManifoldPoint(point);
     bullet.getContactPoint(k).m_lifeTime = point.m_lifeTime;
   }
@@ -72,12 +71,12 @@ int refreshManifold(const Shape& a, const Frame& frameA, const Shape& b, const F
   found.normal = touch.normal;
   found.overlap = touch.overlap;
   addTouch(found, scale, bullet, manifold.nextSpot);
-  bullet.refreshContactPoints(toBullet(Frame(frameA.R, Vec3::Zero())),
-                              toBullet(Frame(frameB.R, scale * (frameB.x - frameA.x))));
+  bullet.refreshContactPoints(toBulletTransform(Frame(frameA.R, Vec3::Zero())),
+                              toBulletTransform(Frame(frameB.R, scale * (frameB.x - frameA.x))));
 
   manifold.count = bullet.getNumContacts();
   for (int k = 0; k < manifold.count; ++k) {
-    manifold.points[static_cast<std::size_t>(k)] = fromBullet(bullet.getContactPoint(k), scale);
+    manifold.points[static_cast<std::size_t>(k)] = fromBulletPoint(bullet.getContactPoint(k), scale);
   }
 
   // Those that penetrate share the force equally.

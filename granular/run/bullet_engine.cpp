@@ -14,15 +14,11 @@
 
 #include "granular/core/errors.h"
 #include "granular/run/comparison_engine.h"
+#include "granular/shape/bullet_vectors.h"
 #include "granular/shape/polyhedron.h"
 
 namespace granular {
 namespace {
-
-static_assert(sizeof(btScalar) == 8);
-
-btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-Vec3 fromBullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
 /// The corners of a polyhedron whose faces have all moved inwards by `depth`, as long as it keeps its topology.
 std::vector<Vec3> shrinkPolyhedron(const PolyhedronTables& tables, double depth) {

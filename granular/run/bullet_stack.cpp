@@ -7,12 +7,10 @@
 
 #include "granular/core/errors.h"
 #include "granular/run/stack_watch.h"
+#include "granular/shape/bullet_vectors.h"
 
 namespace granular {
 namespace {
-
-btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-Vec3 fromBullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
 /// Bullet's world with the tower in it. Lengths times `scale`; masses and times as they are.
 class BulletTower {

@@ -3,6 +3,8 @@
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 
+#include "granular/shape/bullet_vectors.h"
+
 namespace granular {
 
 void BulletCompoundDeleter::operator()(btCompoundShape* compound) const {
@@ -13,8 +15,7 @@ void BulletCompoundDeleter::operator()(btCompoundShape* compound) const {
 BulletCompound makeBulletCompound(const Clump& clump, double scale) {
   BulletCompound compound(new btCompoundShape(true, static_cast<int>(clump.children().size())));
   for (const ChildSphere& child : clump.children()) {
-    const Vec3 centre = scale * child.centre;
-    const btTransform place(btQuaternion::getIdentity(), btVector3(centre.x(), centre.y(), centre.z()));
+    const btTransform place(btQuaternion::getIdentity(), toBullet(scale * child.centre));
     compound->addChildShape(place, new btSphereShape(scale * child.radius));
   }
   return compound;

@@ -9,15 +9,13 @@
 
 #include "granular/core/errors.h"
 #include "granular/core/tolerances.h"
+#include "granular/shape/bullet_vectors.h"
 #include "granular/shape/slab_points.h"
 #include "granular/shape/support_polytope.h"
 
 namespace granular {
 
 namespace {
-
-btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-Vec3 fromBullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
 /// A user's shape in the body frame at another scale; holds on to the original.
 class MovedShape final : public btConvexInternalShape {

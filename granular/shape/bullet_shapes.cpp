@@ -4,6 +4,7 @@
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <BulletCollision/CollisionShapes/btConvexInternalShape.h>
 
+#include "granular/shape/bullet_vectors.h"
 #include "granular/shape/clump.h"
 #include "granular/shape/cone.h"
 #include "granular/shape/cylinder.h"
@@ -11,14 +12,9 @@
 #include "granular/shape/polyhedron.h"
 #include "granular/shape/sphere.h"
 
-static_assert(sizeof(btScalar) == 8, "Bullet must be the double-precision build");
-
 namespace granular {
 
 namespace {
-
-btVector3 toBullet(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-Vec3 fromBullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
 /// A convex shape of Bullet's whose support function is a functor Vec3(const Vec3&), about the origin.
 template <class Support>
