@@ -1,47 +1,11 @@
 // (c) The linear dashpot: damping ratio for a restitution, duration, and what the step costs.
 #include <fmt/format.h>
 
+#include "verification/impact_scenes.h"
 #include "verification/record.h"
-#include "verification/scenes.h"
 
 namespace granular {
 namespace {
-
-constexpr double radius = 3e-3, speed = 0.3, stiffness = 1e6;
-const double mass = 2500 * 4.0 / 3 * pi * radius * radius * radius;
-
-struct Bounce {
-  double restitution = 0, duration = 0;
-};
-
-/// A sphere on the floor; it touches after `lead` of a step.
-Bounce bounce(double e, bool tension, double dt, double lead) {
-  WorldOptions options = plainOptions();
-  options.lawOptions.tension = tension;
-  auto world = makeWorld(options, {stiffness, e, 1, 0});
-  addFloor(*world);
-  place(*world, sphereOf(radius), {0, 0, radius + lead * dt * speed});
-  move(*world, 0, {0, 0, -speed});
-  startHalfSteps(*world, dt, 0, true);
-  // Read at the first separation: nothing changes the velocity of the half step any more.
-  double pushed = 0;
-  bool touched = false;
-  while (world->time < 1) {
-    step(*world, dt);
-    const bool touching = world->contactCount() > 0;
-    if (touched && !touching) break;
-    touched |= touching;
-    if (touching) world->visitContacts([&](const Contact& c) { pushed += dt * (c.force.normalForce > 0); });
-  }
-  return {velocityOf(*world, 0).z() / speed, pushed};
-}
-
-/// Duration of a contact of restitution e, s.
-double contactTime(double e, bool tension) {
-  const double z = dampingRatioFor(e, tension), w = std::sqrt(stiffness / mass);
-  if (tension) return pi / (w * std::sqrt(1 - z * z));
-  return z < 1 ? 2 * std::acos(z) / (w * std::sqrt(1 - z * z)) : 2 * std::acosh(z) / (w * std::sqrt(z * z - 1));
-}
 
 TEST(Dashpot, DampingRatiosAreTheOnesOfTheClosedForms) {
   const double rows[][3] = {
@@ -59,8 +23,8 @@ TEST(Dashpot, DampingRatiosAreTheOnesOfTheClosedForms) {
 TEST(Dashpot, SimulatedContactHasTheRestitutionAndDurationAskedFor) {
   for (const bool tension : {true, false}) {
     for (const double e : {.9, .7, .5, .3, .1}) {
-      const double time = contactTime(e, tension), dt = time / 2000;
-      const Bounce got = bounce(e, tension, dt, 0.5);
+      const double time = DashpotBounce::contactTime(e, tension), dt = time / 2000;
+      const DashpotBounce got = DashpotBounce::run(e, tension, dt, 0.5);
       const std::string name = fmt::format("e = {}, {}", e, tension ? "with attraction" : "no tension");
       // Cut at zero: the force jumps by 2 zeta at the ends, first order in the step; otherwise at its start alone.
       verify('c', name + ": restitution at t_c/2000", e, got.restitution, 0.8 / 2000,
@@ -75,9 +39,9 @@ TEST(Dashpot, SimulatedContactHasTheRestitutionAndDurationAskedFor) {
 /// Largest error over the phase of first contact.
 double worstError(double e, bool tension, double steps) {
   double worst = 0;
-  const double dt = contactTime(e, tension) / steps;
+  const double dt = DashpotBounce::contactTime(e, tension) / steps;
   for (int phase = 0; phase < 40; ++phase)
-    worst = std::max(worst, std::abs(bounce(e, tension, dt, (phase + 0.5) / 40).restitution - e));
+    worst = std::max(worst, std::abs(DashpotBounce::run(e, tension, dt, (phase + 0.5) / 40).restitution - e));
   return worst;
 }
 

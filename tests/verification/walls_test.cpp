@@ -2,48 +2,18 @@
 // offset of the contact point from the centroid along the wall, v_z' = -v + J/m and w' = J r_x/I.
 #include <fmt/format.h>
 
+#include "verification/impact_scenes.h"
 #include "verification/record.h"
-#include "verification/scenes.h"
 
 namespace granular {
 namespace {
 
-struct Rebound {
-  double velocity = 0, spin = 0;  // upward, magnitude
-  double turn = 0;                // w' t_c
-};
-
-/// Drops a body that touches the floor with its lowest point; read at first separation.
 Rebound drop(const std::shared_ptr<const Shape>& shape, const Quat& q, const ContactParameters& contact,
              bool localMass) {
-  WorldOptions options = plainOptions();
-  options.rule.rule = PointRule::witness;
-  options.lawOptions.tension = true;
-  options.lawOptions.localMass = localMass;
-  auto world = makeWorld(options, contact);
-  addFloor(*world);
-  const double height = -(q * shape->support(q.conjugate() * Vec3(0, 0, -1))).z();
-  place(*world, shape, {0, 0, height * (1 + 1e-12)}, q);
-  move(*world, 0, {0, 0, -1});
-  const double duration = pi * std::sqrt(world->bodies.mass[0] / contact.stiffness);
-  EXPECT_TRUE(runThroughContact(*world, duration / 4000, 8000));
-  const double spin = spinOf(*world, 0).norm();
-  return {velocityOf(*world, 0).z(), spin, spin * duration};
+  const Rebound got = dropOnFloor(shape, q, contact, localMass, {PointRule::witness, LawKind::linear, 4000});
+  EXPECT_TRUE(got.parted);
+  return got;
 }
-
-/// The wall's exact answer for a body of mass 1, offset r and moment I.
-struct Exact {
-  double velocity, spin;
-};
-Exact solve(double e, double r, double inertia) {
-  const double impulse = (1 + e) / (1 + r * r / inertia);
-  return {impulse - 1, impulse * r / inertia};
-}
-
-std::shared_ptr<const Shape> makeCylinder() { return makeShape("cylinder", std::vector{4e-3, 5.3e-3}); }
-const double cylinderMoment = 4e-3 * 4e-3 / 4 + 5.3e-3 * 5.3e-3 / 12;
-double cylinderOffset(double tilt) { return 4e-3 * std::cos(tilt) - 0.5 * 5.3e-3 * std::sin(tilt); }
-Quat tiltedBy(double angle) { return Quat(Eigen::AngleAxisd(angle, Vec3::UnitY())); }
 
 TEST(Walls, TiltedCylinderReboundsAsTheFrozenContactSays) {
   struct Case {
@@ -51,13 +21,13 @@ TEST(Walls, TiltedCylinderReboundsAsTheFrozenContactSays) {
   };
   for (const Case& c : {Case{30, .85, 362.5, .0746}, Case{45, .85, 243.5, .6175}, Case{45, 1, 263.3, .7487}}) {
     const double tilt = c.degrees * pi / 180;
-    const Rebound got = drop(makeCylinder(), tiltedBy(tilt), {1e9, c.e, 1, 0}, true);
+    const Rebound got = drop(TiltedCylinder::make(), tiltedBy(tilt), {1e9, c.e, 1, 0}, true);
     const double scale = got.turn + 2e-3;  // the dashpot's restitution at N = 4000 steps: 1e-5; half the last digit
     verify('b', fmt::format("cylinder, {} deg, e = {}, local mass: w', rad/s", c.degrees, c.e), c.spin, got.spin,
            scale * c.spin * 0.1 + .05, "exact, four digits; the turn during the contact");
     verify('b', fmt::format("cylinder, {} deg, e = {}, local mass: v_z'", c.degrees, c.e), c.velocity, got.velocity,
            scale * 0.2 + 5e-5, "exact, four digits; the turn during the contact");
-    const Exact exact = solve(c.e, cylinderOffset(tilt), cylinderMoment);
+    const FrozenContact exact = solveFrozenContact(c.e, TiltedCylinder::offset(tilt), TiltedCylinder::moment);
     EXPECT_NEAR(exact.spin, c.spin, .05);
     EXPECT_NEAR(exact.velocity, c.velocity, 5e-5);
   }
@@ -68,7 +38,7 @@ TEST(Walls, NominalDashpotOfTheReducedMassDampsEccentricContactsMore) {
   // ratio zeta sqrt(m/m_n).
   const double rows[][3] = {{30, .050, 354.2}, {45, .6092, 242.3}};
   for (const auto& [degrees, velocity, spin] : rows) {
-    const Rebound got = drop(makeCylinder(), tiltedBy(degrees * pi / 180), {1e9, .85, 1, 0}, false);
+    const Rebound got = drop(TiltedCylinder::make(), tiltedBy(degrees * pi / 180), {1e9, .85, 1, 0}, false);
     verify('b', fmt::format("cylinder, {} deg, e = .85, reduced mass: v_z'", degrees), velocity, got.velocity,
            got.turn * 0.2 + (degrees == 30 ? 5e-4 : 1e-4), "independent computation, digits as given; the turn");
     verify('b', fmt::format("cylinder, {} deg, e = .85, reduced mass: w', rad/s", degrees), spin, got.spin,
@@ -78,7 +48,7 @@ TEST(Walls, NominalDashpotOfTheReducedMassDampsEccentricContactsMore) {
 
 TEST(Walls, CylinderOverItsRimDoesNotTurn) {
   const double tilt = std::atan(2 * 4e-3 / 5.3e-3);
-  const Rebound got = drop(makeCylinder(), tiltedBy(tilt), {1e9, 1, 1, 0}, true);
+  const Rebound got = drop(TiltedCylinder::make(), tiltedBy(tilt), {1e9, 1, 1, 0}, true);
   verify('b', "cylinder, tan t = 2R/L: v_z'", 1, got.velocity, 1e-5, "exact: r_x = 0");
   verifyBelow('b', "cylinder, tan t = 2R/L: w' R/v", 1e-4, got.spin * 4e-3, "exact: 0");
 }
@@ -99,11 +69,11 @@ TEST(Walls, EllipsoidReboundsAsTheFrozenContactSays) {
 
 TEST(Walls, ErrorFallsAsTheContactGetsShorter) {
   // The error is the turn w' t_c ~ k^-1/2: a hundred times the stiffness leaves a tenth.
-  const Exact exact = solve(1, cylinderOffset(pi / 4), cylinderMoment);
+  const FrozenContact exact = solveFrozenContact(1, TiltedCylinder::offset(pi / 4), TiltedCylinder::moment);
   double errors[3];
   int k = 0;
   for (const double stiffness : {1e5, 1e7, 1e9}) {
-    const Rebound got = drop(makeCylinder(), tiltedBy(pi / 4), {stiffness, 1, 1, 0}, false);
+    const Rebound got = drop(TiltedCylinder::make(), tiltedBy(pi / 4), {stiffness, 1, 1, 0}, false);
     errors[k++] = std::abs(got.velocity - exact.velocity);
     if (got.turn < .01)
       verifyBelow('b', fmt::format("cylinder, 45 deg, k_n = {:g}: error of v_z' (w' t_c < .01)", stiffness), .01,
