@@ -60,8 +60,7 @@ Polyhedron::Polyhedron(std::span<const Vec3> points, Frame* toBody) : Shape(Shap
 }
 
 Polyhedron::Polyhedron(const Polyhedron& source, double factor)
-    : Shape(ShapeKind::polyhedron), topology(source.topology), octantVertex(source.octantVertex) {
-  topology.scale(factor);
+    : Shape(ShapeKind::polyhedron), topology(source.topology.scaled(factor)), octantVertex(source.octantVertex) {
   setScaledMeasures(source, factor);
 }
 
@@ -131,7 +130,7 @@ bool Polyhedron::contains(const Vec3& p) const {
 
 TriangleMesh Polyhedron::surface(int) const {
   TriangleMesh mesh;
-  mesh.vertices = topology.vertices;
+  mesh.vertices.assign(topology.vertices.begin(), topology.vertices.end());
   for (std::int32_t f = 0; f < topology.faceCount(); ++f) {
     const auto corners = topology.cornersOf(f);
     for (std::size_t k = 1; k + 1 < corners.size(); ++k) {

@@ -2,8 +2,11 @@
 // Cuboids carry the same tables, so that one kernel serves both.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -11,21 +14,18 @@
 
 namespace granular {
 
-/// Topology and geometry of a convex polyhedron. Coplanar hull triangles are merged into one polygonal face.
+/// Topology and geometry of a convex polyhedron. Coplanar hull triangles are merged into one polygonal face. All tables
+/// lie in one block of memory, which copies share: kernels can fetch it ahead as a whole.
 struct PolyhedronTables {
-  std::vector<Vec3> vertices;
   /// A face's plane: outward unit normal, offset (normal . x = offset on the face).
   struct Face {
     Vec3 normal;
     double offset;
   };
-  std::vector<Face> faces;
-  /// Edges: end vertices (a < b) and the two faces that meet there.
+  /// End vertices (a < b) and the two faces that meet there.
   struct Edge {
     std::int32_t a, b, faceLeft, faceRight;
   };
-  std::vector<Edge> edges;
-
   /// An edge as one of its ends sees it: the vertex at the other end, and the face between this edge and the next
   /// spoke around the vertex, counter-clockwise from outside (the face left of the way out).
   struct Spoke {
@@ -35,6 +35,10 @@ struct PolyhedronTables {
   struct Corner {
     std::int32_t vertex, edge, beyond;
   };
+
+  std::span<const Vec3> vertices;
+  std::span<const Face> faces;
+  std::span<const Edge> edges;
   /// Around the vertex, counter-clockwise from outside.
   std::span<const Spoke> spokesOf(std::int32_t vertex) const { return slice(spokes, spokeBegin, vertex); }
   /// Around the face, counter-clockwise from outside.
@@ -51,24 +55,35 @@ struct PolyhedronTables {
   /// Of all faces, m: a ball of this radius about the origin fits inside.
   double leastOffset() const;
 
-  /// Multiplies all lengths (factor > 0).
-  void scale(double factor);
+  /// The same polyhedron with all lengths multiplied by factor (> 0).
+  PolyhedronTables scaled(double factor) const;
+
+  /// Starts to bring the tables into the cache, as far as a contact is likely to read them.
+  void fetchAhead() const {
+    constexpr std::size_t line = 8, most = 512;  // doubles
+    const std::size_t end = std::min(blockSize, most);
+    for (std::size_t k = 0; k < end; k += line) __builtin_prefetch(block.get() + k);
+  }
 
  private:
+  struct Parts;  // while they are made
   friend PolyhedronTables makePolyhedronTables(std::vector<Vec3>, std::span<const std::vector<std::int32_t>>);
+  explicit PolyhedronTables(const Parts& parts);
 
   template <class T>
-  static std::span<const T> slice(const std::vector<T>& all, const std::vector<std::int32_t>& begin, std::int32_t k) {
+  static std::span<const T> slice(std::span<const T> all, std::span<const std::int32_t> begin, std::int32_t k) {
     const auto from = static_cast<std::size_t>(begin[static_cast<std::size_t>(k)]);
     return {all.data() + from, static_cast<std::size_t>(begin[static_cast<std::size_t>(k) + 1]) - from};
   }
-  void placePlanes();
-  void linkEdges();
-  void layOutSpokes();
 
-  std::vector<std::int32_t> spokeBegin, cornerBegin;
-  std::vector<Spoke> spokes;
-  std::vector<Corner> corners;
+  std::span<const std::int32_t> spokeBegin, cornerBegin;
+  std::span<const Spoke> spokes;
+  std::span<const Corner> corners;
+  std::shared_ptr<const double[]> block;
+  std::size_t blockSize = 0;  // in doubles
+
+ public:
+  PolyhedronTables() = default;
 };
 
 /// Tables of a closed convex polyhedron from its faces, corners counter-clockwise seen from outside. Normals are

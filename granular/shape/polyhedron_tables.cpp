@@ -1,6 +1,7 @@
 // From faces to the tables that kernels walk, and the support search on the vertex graph. On a convex polyhedron a
 // vertex none of whose neighbours is further along d is the furthest of all, so climbing needs no backtracking.
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "granular/shape/hull.h"
@@ -14,12 +15,28 @@ std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
 }  // namespace
 
+/// The tables while they are made.
+struct PolyhedronTables::Parts {
+  std::vector<Vec3> vertices;
+  std::vector<Face> faces;
+  std::vector<Edge> edges;
+  std::vector<Spoke> spokes;
+  std::vector<Corner> corners;
+  std::vector<std::int32_t> spokeBegin, cornerBegin;
+
+  std::int32_t faceCount() const { return static_cast<std::int32_t>(cornerBegin.size()) - 1; }
+  std::span<const Corner> cornersOf(std::int32_t face) const { return slice<Corner>(corners, cornerBegin, face); }
+  void placePlanes();
+  void linkEdges();
+  void layOutSpokes();
+};
+
 /// Normals and offsets of all faces.
-void PolyhedronTables::placePlanes() {
+void PolyhedronTables::Parts::placePlanes() {
   std::vector<std::int32_t> around;
-  for (std::size_t f = 0; f + 1 < cornerBegin.size(); ++f) {
+  for (std::int32_t f = 0; f < faceCount(); ++f) {
     around.clear();
-    for (const Corner& c : cornersOf(static_cast<std::int32_t>(f))) around.push_back(c.vertex);
+    for (const Corner& c : cornersOf(f)) around.push_back(c.vertex);
     const Vec3 normal = polygonNormal(vertices, around);
     double offset = -infinity;
     for (std::int32_t c : around) offset = std::max(offset, normal.dot(vertices[at(c)]));
@@ -29,7 +46,7 @@ void PolyhedronTables::placePlanes() {
 
 /// Edges in ascending order of their ends. Seen from outside, faceLeft lies left of the way from a to b (there the
 /// face's corners run from a to b), faceRight right.
-void PolyhedronTables::linkEdges() {
+void PolyhedronTables::Parts::linkEdges() {
   struct Side {
     std::int32_t a, b, face, corner;
     bool forward;
@@ -59,7 +76,7 @@ void PolyhedronTables::linkEdges() {
 }
 
 /// Around each vertex from face to face: the edge that ends a face here begins the next spoke.
-void PolyhedronTables::layOutSpokes() {
+void PolyhedronTables::Parts::layOutSpokes() {
   /// One per corner: the spoke out of it along its face's own edge, found from vertex and face.
   struct Way {
     std::int32_t vertex, face, to, before;  // before: the corner ahead of it in the face
@@ -90,29 +107,61 @@ void PolyhedronTables::layOutSpokes() {
   assert(spokeBegin.size() == vertices.size() + 1);
 }
 
+/// Lays the parts out one after the other, those that a contact reads first.
+PolyhedronTables::PolyhedronTables(const Parts& parts) {
+  const auto visit = [&](auto&& each) {
+    each(parts.vertices, vertices);
+    each(parts.faces, faces);
+    each(parts.spokeBegin, spokeBegin);
+    each(parts.spokes, spokes);
+    each(parts.cornerBegin, cornerBegin);
+    each(parts.corners, corners);
+    each(parts.edges, edges);
+  };
+  /// Of a table, in doubles.
+  const auto room = [](const auto& part) {
+    return (part.size() * sizeof(part[0]) + sizeof(double) - 1) / sizeof(double);
+  };
+  visit([&](const auto& part, auto&) { blockSize += room(part); });
+  auto memory = std::make_shared<double[]>(blockSize);
+  double* next = memory.get();
+  visit([&]<class T>(const std::vector<T>& part, std::span<const T>& table) {
+    static_assert(alignof(T) <= alignof(double));
+    T* begin = reinterpret_cast<T*>(next);
+    std::uninitialized_copy(part.begin(), part.end(), begin);
+    table = {begin, part.size()};
+    next += room(part);
+  });
+  block = std::move(memory);
+}
+
 PolyhedronTables makePolyhedronTables(std::vector<Vec3> vertices, std::span<const std::vector<std::int32_t>> corners) {
-  PolyhedronTables tables;
-  tables.vertices = std::move(vertices);
-  tables.cornerBegin.push_back(0);
+  PolyhedronTables::Parts parts;
+  parts.vertices = std::move(vertices);
+  parts.cornerBegin.push_back(0);
   for (const auto& face : corners) {
-    for (const std::int32_t v : face) tables.corners.push_back({v, -1, -1});
-    tables.cornerBegin.push_back(static_cast<std::int32_t>(tables.corners.size()));
+    for (const std::int32_t v : face) parts.corners.push_back({v, -1, -1});
+    parts.cornerBegin.push_back(static_cast<std::int32_t>(parts.corners.size()));
   }
-  tables.placePlanes();
-  tables.linkEdges();
-  tables.layOutSpokes();
-  return tables;
+  parts.placePlanes();
+  parts.linkEdges();
+  parts.layOutSpokes();
+  return PolyhedronTables(parts);
+}
+
+PolyhedronTables PolyhedronTables::scaled(double factor) const {
+  const auto copy = [](const auto& table) { return std::vector(table.begin(), table.end()); };
+  Parts parts{copy(vertices), copy(faces),      copy(edges),      copy(spokes),
+              copy(corners),  copy(spokeBegin), copy(cornerBegin)};
+  for (Vec3& v : parts.vertices) v *= factor;
+  for (Face& face : parts.faces) face.offset *= factor;
+  return PolyhedronTables(parts);
 }
 
 double PolyhedronTables::leastOffset() const {
   double least = infinity;
   for (const Face& face : faces) least = std::min(least, face.offset);
   return least;
-}
-
-void PolyhedronTables::scale(double factor) {
-  for (Vec3& v : vertices) v *= factor;
-  for (Face& face : faces) face.offset *= factor;
 }
 
 std::int32_t PolyhedronTables::supportVertex(const Vec3& d, std::int32_t start) const {

@@ -142,7 +142,7 @@ void touchCone(const Vessel& vessel, const Shape& shape, const Frame& frame, Spo
 }
 
 void touchPolyhedron(const Vessel& vessel, const Shape& shape, const Frame& frame, Spots& out) {
-  const std::vector<Vec3>& vertices = static_cast<const Polyhedron&>(shape).tables().vertices;
+  const std::span<const Vec3> vertices = static_cast<const Polyhedron&>(shape).tables().vertices;
   const Eigen::Matrix<double, 2, 3> R = frame.R.topRows<2>();
   const Vec2 centre = vessel.fromAxis(frame.x);
   const double limit = vessel.radius * vessel.radius;

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "granular/narrow/bullet_manifold.h"
+#include "granular/shape/polyhedron.h"
 #include "granular/world/clump_contacts.h"
 #include "granular/world/stages.h"
 
@@ -9,6 +10,9 @@ namespace granular {
 namespace {
 
 std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+
+/// How many pairs ahead of the one looked at.
+constexpr std::size_t farAhead = 8, nextAhead = 3;
 
 /// Half-open range of one chunk's items.
 struct Range {
@@ -165,11 +169,13 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   WarmCache& cache = world.pairs.memory.cache[at(pair.slot)];
   Touch touch;
   const std::uint64_t uncertified = chunk.counts.uncertified;
+  const bool touchedBefore = cache.touched != 0;
   const bool touching = findTouch(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB,
                                   !world.options.skips.feature, cache, chunk.counts, touch);
   if (chunk.counts.uncertified > uncertified && chunk.uncertifiedPair < 0) chunk.uncertifiedPair = index;
   if (!touching) {
     pair.quietUntil = travel + cache.budget;
+    if (!touchedBefore) return;
     world.pairs.memory.history[at(pair.slot)] = ContactHistory{};
     if (at(pair.slot) < world.pairs.memory.manifolds.size())
       world.pairs.memory.manifolds[at(pair.slot)] = ManifoldMemory{};
@@ -196,6 +202,32 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
     contact.touch = found.touch;
   }
   chunk.noteDepth(touch.overlap, std::min(bodies.shape[a]->size(), bodies.shape[b]->size()));
+}
+
+bool isPolyhedron(const Shape& shape) {
+  return shape.kind() == ShapeKind::cuboid || shape.kind() == ShapeKind::polyhedron;
+}
+
+/// Starts to bring into the cache what a look at a pair reads, in two steps: where it lies, and what lies there. Pairs
+/// that will not be looked at bring nothing.
+void fetchWhere(const World& world, const Pair& pair) {
+  const Bodies& bodies = world.bodies;
+  constexpr std::size_t line = 64;
+  for (const std::int32_t body : {pair.a, pair.b}) {
+    const auto* shape = reinterpret_cast<const std::byte*>(bodies.shape[at(body)]);
+    for (std::size_t k = 0; k < sizeof(Polyhedron); k += line) __builtin_prefetch(shape + k);
+  }
+}
+void fetchWhat(const World& world, const Pair& pair) {
+  const Bodies& bodies = world.bodies;
+  const std::size_t a = at(pair.a), b = at(pair.b);
+  if (world.options.skips.separation && bodies.travel[a] + bodies.travel[b] < pair.quietUntil) return;
+  __builtin_prefetch(&world.pairs.memory.cache[at(pair.slot)]);
+  for (const std::size_t i : {a, b}) {
+    __builtin_prefetch(&bodies.frame[i]);
+    const Shape& shape = *bodies.shape[i];
+    if (isPolyhedron(shape)) static_cast<const Polyhedron&>(shape).tables().fetchAhead();
+  }
 }
 
 /// Looks at one body near a wall; appends its contacts in the order of their spots.
@@ -263,51 +295,45 @@ void layOutContacts(World& world) {
   world.layoutStale = false;
 }
 
-void findContacts(World& world) {
+void findContacts(std::size_t c, World& world) {
   const std::size_t pairCount = world.activePairs.size();
-  const auto chunks = static_cast<std::int64_t>(world.chunks.size());
-#pragma omp parallel for schedule(dynamic) if (world.chunks.size() >= chunksForThreads)
-  for (std::int64_t c = 0; c < chunks; ++c) {
-    World::Chunk& chunk = world.chunks[static_cast<std::size_t>(c)];
-    startChunk(chunk);
-    const bool atWalls = static_cast<std::size_t>(c) >= world.wallChunkBegin;
-    const Range range =
-        atWalls ? chunkRange(static_cast<std::size_t>(c) - world.wallChunkBegin, world.activeWallPairs.size())
-                : chunkRange(static_cast<std::size_t>(c), pairCount);
-    const std::size_t rangeOffset = atWalls ? pairCount : 0;
-    for (std::size_t p = range.first; p < range.last; ++p) {
-      const auto first = static_cast<std::int32_t>(chunk.contacts.size());
-      if (atWalls) {
-        lookAtWallPair(world, world.activeWallPairs[p], chunk);
-      } else {
-        lookAtPair(world, world.activePairs[p], chunk);
-      }
-      world.contactsOfPair[rangeOffset + p] = {first, static_cast<std::int32_t>(chunk.contacts.size()) - first};
+  World::Chunk& chunk = world.chunks[c];
+  startChunk(chunk);
+  const bool atWalls = c >= world.wallChunkBegin;
+  const Range range =
+      atWalls ? chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()) : chunkRange(c, pairCount);
+  const std::size_t rangeOffset = atWalls ? pairCount : 0;
+  for (std::size_t p = range.first; p < range.last; ++p) {
+    const auto first = static_cast<std::int32_t>(chunk.contacts.size());
+    if (atWalls) {
+      lookAtWallPair(world, world.activeWallPairs[p], chunk);
+    } else {
+      if (p + farAhead < range.last) fetchWhere(world, world.pairs.pairs[at(world.activePairs[p + farAhead])]);
+      if (p + nextAhead < range.last) fetchWhat(world, world.pairs.pairs[at(world.activePairs[p + nextAhead])]);
+      lookAtPair(world, world.activePairs[p], chunk);
     }
+    world.contactsOfPair[rangeOffset + p] = {first, static_cast<std::int32_t>(chunk.contacts.size()) - first};
   }
 }
 
-void placeContactPoints(World& world) {
+void placeContactPoints(std::size_t c, World& world) {
+  if (c >= world.wallChunkBegin) return;  // a wall places its own
   const Bodies& bodies = world.bodies;
   // The points of a manifold are where they were found.
   RuleOptions rule = world.options.rule;
   if (rule.rule == PointRule::manifold) rule.rule = PointRule::witness;
-  const auto chunks = static_cast<std::int64_t>(world.wallChunkBegin);
-#pragma omp parallel for schedule(dynamic) if (world.chunks.size() >= chunksForThreads)
-  for (std::int64_t c = 0; c < chunks; ++c) {
-    for (Contact& contact : world.chunks[static_cast<std::size_t>(c)].contacts) {
-      const std::size_t a = at(contact.a);
-      const std::size_t b = at(contact.b);
-      Frame frameB = bodies.frame[b];
-      frameB.x += contact.shift;
-      if (contact.spot.ofClump()) {
-        const PlacedChild childA = placeChild(*bodies.shape[a], bodies.frame[a], contact.spot.childA);
-        const PlacedChild childB = placeChild(*bodies.shape[b], frameB, contact.spot.childB);
-        placeContact(rule, *childA.shape, childA.frame, *childB.shape, childB.frame, contact.touch, contact.patch);
-        continue;
-      }
-      placeContact(rule, *bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB, contact.touch, contact.patch);
+  for (Contact& contact : world.chunks[c].contacts) {
+    const std::size_t a = at(contact.a);
+    const std::size_t b = at(contact.b);
+    Frame frameB = bodies.frame[b];
+    frameB.x += contact.shift;
+    if (contact.spot.ofClump()) {
+      const PlacedChild childA = placeChild(*bodies.shape[a], bodies.frame[a], contact.spot.childA);
+      const PlacedChild childB = placeChild(*bodies.shape[b], frameB, contact.spot.childB);
+      placeContact(rule, *childA.shape, childA.frame, *childB.shape, childB.frame, contact.touch, contact.patch);
+      continue;
     }
+    placeContact(rule, *bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB, contact.touch, contact.patch);
   }
 }
 

@@ -116,32 +116,28 @@ ContactHistory& findHistory(World& world, const World::Chunk& chunk, std::size_t
   return spots[k - firstOfPair].history;
 }
 
-/// The law of every contact. With a ledger each answer is accounted for as well; the forces are the same bits.
+/// The law of every contact of a chunk. With a ledger each answer is accounted for as well; the forces are the same
+/// bits.
 template <bool keepsLedger>
-void applyLaws(double dt, World& world) {
+void applyLaw(double dt, World::Chunk& chunk, World& world) {
   const WorldOptions& options = world.options;
   const Law law = lawFunction(options.law);
-  const auto chunks = static_cast<std::int64_t>(world.chunks.size());
-#pragma omp parallel for schedule(dynamic) if (world.chunks.size() >= chunksForThreads)
-  for (std::int64_t c = 0; c < chunks; ++c) {
-    World::Chunk& chunk = world.chunks[static_cast<std::size_t>(c)];
-    std::size_t firstOfPair = 0;
-    if constexpr (keepsLedger) chunk.accounts.resize(chunk.contacts.size());
-    for (std::size_t k = 0; k < chunk.contacts.size(); ++k) {
-      Contact& contact = chunk.contacts[k];
-      Encounter met = meet(world, contact, dt);
-      const LawConstants& constants = world.materials.constants(met.materialA, met.materialB);
-      ContactHistory& history = findHistory(world, chunk, k, firstOfPair);
-      [[maybe_unused]] ContactHistory before;
-      if constexpr (keepsLedger) before = history;
-      law(constants, options.lawOptions, met.a, met.b, met.motion, history, contact.force);
-      contact.torqueA = met.a.arm.cross(contact.force.force) + contact.force.couple;
-      contact.torqueB = -met.b.arm.cross(contact.force.force) - contact.force.couple;
-      if constexpr (keepsLedger) {
-        met.motion.squaredDepth = contact.patch.squaredDepth;
-        chunk.accounts[k] = accountContact(options.law, constants, options.lawOptions, met.a, met.b, met.motion, before,
-                                           history, contact.force);
-      }
+  std::size_t firstOfPair = 0;
+  if constexpr (keepsLedger) chunk.accounts.resize(chunk.contacts.size());
+  for (std::size_t k = 0; k < chunk.contacts.size(); ++k) {
+    Contact& contact = chunk.contacts[k];
+    Encounter met = meet(world, contact, dt);
+    const LawConstants& constants = world.materials.constants(met.materialA, met.materialB);
+    ContactHistory& history = findHistory(world, chunk, k, firstOfPair);
+    [[maybe_unused]] ContactHistory before;
+    if constexpr (keepsLedger) before = history;
+    law(constants, options.lawOptions, met.a, met.b, met.motion, history, contact.force);
+    contact.torqueA = met.a.arm.cross(contact.force.force) + contact.force.couple;
+    contact.torqueB = -met.b.arm.cross(contact.force.force) - contact.force.couple;
+    if constexpr (keepsLedger) {
+      met.motion.squaredDepth = contact.patch.squaredDepth;
+      chunk.accounts[k] = accountContact(options.law, constants, options.lawOptions, met.a, met.b, met.motion, before,
+                                         history, contact.force);
     }
   }
 }
@@ -170,8 +166,9 @@ void measureWallStiffness(World& world) {
 
 }  // namespace
 
-void applyForceLaws(double dt, World& world) {
-  world.options.energy ? applyLaws<true>(dt, world) : applyLaws<false>(dt, world);
+void applyForceLaws(double dt, std::size_t c, World& world) {
+  World::Chunk& chunk = world.chunks[c];
+  world.options.energy ? applyLaw<true>(dt, chunk, world) : applyLaw<false>(dt, chunk, world);
 }
 
 void gatherForces(World& world) {

@@ -163,9 +163,7 @@ void startHalfSteps(World& world, double dt, std::size_t first, bool withContact
   Bodies& bodies = world.bodies;
   if (withContacts) {
     refreshPairs(dt, world);
-    findContacts(world);
-    placeContactPoints(world);
-    applyForceLaws(0, world);  // no time passes: springs stay as they are
+    makeContacts(0, world);  // no time passes: springs stay as they are
     gatherForces(world);
   } else {
     for (std::size_t i = first; i < bodies.size(); ++i) {

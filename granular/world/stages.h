@@ -15,12 +15,15 @@ void moveWalls(double dt, World& world);
 void predict(double dt, const WorldOptions& options, Bodies& bodies);
 /// Brings the pairs up to date when some surface may have left its grown bounds.
 void refreshPairs(double dt, World& world);
-/// Which pairs touch: normal and overlap of each contact, in the chunks.
-void findContacts(World& world);
-/// The contact-point rule: where each contact acts, and over what area.
-void placeContactPoints(World& world);
-/// Force and couple of each contact, and its history.
-void applyForceLaws(double dt, World& world);
+/// The contacts of all chunks, by the three stages below: chunk after chunk, so that what one stage reads is still near
+/// when the next one reads it.
+void makeContacts(double dt, World& world);
+/// Which pairs of chunk c touch: normal and overlap of each contact.
+void findContacts(std::size_t c, World& world);
+/// The contact-point rule: where each contact of chunk c acts, and over what area.
+void placeContactPoints(std::size_t c, World& world);
+/// Force and couple of each contact of chunk c, and its history.
+void applyForceLaws(double dt, std::size_t c, World& world);
 /// Sums forces and torques on each body in the order of its pairs, gravity first.
 void gatherForces(World& world);
 /// Takes from the forces and torques of the bodies from slot `first` on what their locks forbid. Nothing unless a body

@@ -7,23 +7,62 @@
 namespace granular {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
+/// Seconds since the last lap.
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = Clock::now();
+    const std::chrono::duration<double> passed = now - last;
+    last = now;
+    return passed.count();
+  }
+
+ private:
+  Clock::time_point last = Clock::now();
+};
+
 /// Adds the time since the last lap to a stage.
 class LapTimer {
  public:
   explicit LapTimer(Report& target) : report(target) {}
-  void lap(Stage stage) {
-    const auto now = Clock::now();
-    report.seconds[static_cast<std::size_t>(stage)] += std::chrono::duration<double>(now - last).count();
-    last = now;
+  void lap(Stage stage) { book(stage, watch.lap()); }
+  /// To the stages of the contacts, as the chunks spent it, on however many threads.
+  void lapContacts(const std::vector<World::Chunk>& chunks) {
+    const double passed = watch.lap();
+    std::array<double, 3> spent{};
+    for (const World::Chunk& chunk : chunks) {
+      for (std::size_t k = 0; k < 3; ++k) spent[k] += chunk.seconds[k];
+    }
+    const double all = spent[0] + spent[1] + spent[2];
+    constexpr std::array<Stage, 3> stages = {Stage::contacts, Stage::points, Stage::laws};
+    for (std::size_t k = 0; k < 3; ++k) book(stages[k], all > 0 ? passed * spent[k] / all : 0);
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
+  void book(Stage stage, double seconds) { report.seconds[static_cast<std::size_t>(stage)] += seconds; }
   Report& report;
-  Clock::time_point last = Clock::now();
+  Stopwatch watch;
 };
 
 }  // namespace
+
+void makeContacts(double dt, World& world) {
+  const auto chunks = static_cast<std::int64_t>(world.chunks.size());
+#pragma omp parallel for schedule(dynamic) if (world.chunks.size() >= chunksForThreads)
+  for (std::int64_t k = 0; k < chunks; ++k) {
+    const auto c = static_cast<std::size_t>(k);
+    auto& seconds = world.chunks[c].seconds;
+    Stopwatch watch;
+    findContacts(c, world);  // normal, overlap
+    seconds[0] = watch.lap();
+    placeContactPoints(c, world);  // clip, centroid, moments
+    seconds[1] = watch.lap();
+    applyForceLaws(dt, c, world);  // rotate springs, force, couple
+    seconds[2] = watch.lap();
+  }
+}
 
 void step(World& world, double dt) {
   LapTimer timer(world.report);
@@ -33,12 +72,8 @@ void step(World& world, double dt) {
   timer.lap(Stage::predict);
   refreshPairs(dt, world);  // only after the skin is used up
   timer.lap(Stage::search);
-  findContacts(world);  // normal, overlap
-  timer.lap(Stage::contacts);
-  placeContactPoints(world);  // clip, centroid, moments
-  timer.lap(Stage::points);
-  applyForceLaws(dt, world);  // rotate springs, force, couple
-  timer.lap(Stage::laws);
+  makeContacts(dt, world);  // findContacts, placeContactPoints, applyForceLaws
+  timer.lapContacts(world.chunks);
   gatherForces(world);          // fixed order per body
   applyLocks(0, world.bodies);  // only bodies that have some
   timer.lap(Stage::gather);

@@ -1,6 +1,7 @@
 // The world: everything that a step reads and writes. No process-wide state; several worlds may live side by side.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -71,6 +72,7 @@ struct World {
     std::int32_t uncertifiedPair = -1;  ///< the first pair whose answer no bound could certify
     std::int32_t deepestContact = -1;   ///< index in contacts
     std::vector<WallTouch> wallTouches;
+    std::array<double, 3> seconds{};       ///< spent on finding, placing and the law in the present step
     std::vector<ContactAccount> accounts;  ///< of the contacts; empty unless the energy ledger is kept
     LedgerSums booked;
     /// Remembers how deep the contact just added is, if it is the deepest so far; size: what overlaps are relative to.

@@ -66,7 +66,7 @@ TEST(Polyhedron, HullOfACuboidIsTheCuboid) {
       const Cuboid cuboid(scale * half);
       Frame frame;
       const Vec3 shift = scale * Vec3(5, -1, 2);
-      std::vector<Vec3> corners = cuboid.tables().vertices;
+      std::vector<Vec3> corners(cuboid.tables().vertices.begin(), cuboid.tables().vertices.end());
       for (Vec3& c : corners) c += shift;
       const Polyhedron hull(corners, &frame);
       // the axes given are kept
