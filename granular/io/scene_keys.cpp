@@ -267,7 +267,8 @@ void visitInsertion(KeyVisitor& v, InsertionSettings& s) {
   v.readNumber(
       {"energy", "a batch is consolidated when the kinetic energy per particle is below this times m g d", "batches"},
       s.energy, D::none, positive);
-  v.readNumber({"time", "... for so long", "batches"}, s.time, D::time, notNegative);
+  v.readNumber({"time", "... for so long, and longer than the beginning of a fall is as slow", "batches"}, s.time,
+               D::time, notNegative);
   v.readNumber({"max_time", "longest wait for a batch; then it is counted and the next one follows", "batches"},
                s.maxTime, D::time, positive);
   v.readFile({"file", "poses: lines x y z qw qx qy qz [group]; bed: output folder or checkpoint of an earlier run",

@@ -264,6 +264,15 @@ double PackingRun::restlessness() const {
   return scale > 0 ? energy / scale : 0;
 }
 
+bool PackingRun::isCalm(double energy, double time) const {
+  // What begins to fall is slow too, while m g h < energy m g d with h = g t^2 / 2.
+  double largest = 0;
+  for (const Shape* shape : state->bodies.shape) largest = std::max(largest, 2 * shape->size());
+  const double gravity = state->options.gravity.norm();
+  const double slowFall = gravity > 0 ? std::sqrt(2 * energy * largest / gravity) : 0;
+  return counters.calm >= std::max(time, 1.2 * slowFall);
+}
+
 double PackingRun::settlesFrom() const {
   double stop = 0;
   for (const auto& wall : state->walls) stop = std::max(stop, wall->stopTime());
@@ -275,14 +284,14 @@ void PackingRun::observe(double interval) {
   const double bound = pouring ? settings.insertion.energy : settings.rest.energy;
   counters.calm = restlessness() < bound ? counters.calm + interval : 0;
   if (pouring && !counters.consolidated) {
-    counters.consolidated = counters.calm >= settings.insertion.time;
+    counters.consolidated = isCalm(bound, settings.insertion.time);
     if (!counters.consolidated && state->time - counters.batchStart > settings.insertion.maxTime) {
       counters.consolidated = true;
       ++counters.lateBatches;
     }
   }
   const bool settling = !pouring && state->time >= settlesFrom();
-  if (settling && !counters.awake && counters.calm >= settings.rest.time) {
+  if (settling && !counters.awake && isCalm(bound, settings.rest.time)) {
     // Rest must hold with every body awake.
     wakeAll(*state);
     state->options.sleep.on = false;
@@ -295,7 +304,8 @@ void PackingRun::observe(double interval) {
 }
 
 bool PackingRun::isResting() const {
-  return pour->isDone() && state->time >= settlesFrom() && counters.awake && counters.calm >= settings.rest.time;
+  return pour->isDone() && state->time >= settlesFrom() && counters.awake &&
+         isCalm(settings.rest.energy, settings.rest.time);
 }
 
 RunEnd PackingRun::run(const std::filesystem::path& out, const volatile std::sig_atomic_t& stop) {
@@ -412,7 +422,8 @@ PackingRun PackingRun::resumed(const std::filesystem::path& folder, const std::v
 }
 
 std::string PackingRun::describePlan() const {
-  const double particles = static_cast<double>(pour->count()) + static_cast<double>(state->bodies.size());
+  const double particles =
+      static_cast<double>(pour->count() - pour->state().placed) + static_cast<double>(state->bodies.size());
   const double batch = 0.5 * (settings.insertion.batch.lo + settings.insertion.batch.hi);
   // A batch needs a fall of some millimetres and a few bounces: about .08 s; the end about .3 s.
   const double simulated = settings.insertion.rate > 0

@@ -76,6 +76,9 @@ class PackingRun {
 
   /// Kinetic energy of the moving bodies over the sum of m g d of the particles poured last (d: equal-volume diameter).
   double restlessness() const;
+  /// True if the kinetic energy has been below this times m g d for so long, s, and for longer than a particle that
+  /// begins to fall could.
+  bool isCalm(double energy, double time) const;
   /// When the last wall stops on its way, s; infinity if one never does. Waiting for rest begins then.
   double settlesFrom() const;
 

@@ -68,6 +68,18 @@ TEST_F(Settle, FrozenBodiesDoNotMove) {
   EXPECT_LT(frozen, before.size());
 }
 
+TEST_F(Settle, ABatchThatBeginsToFallIsNotTakenForOneAtRest) {
+  // Slower than the bound for the first 7 ms of the fall, and asked to be so for 1 ms.
+  const PackingRun run = expectRest(narrowBox + commonText + mixture + batches +
+                                        "energy = 0.1\ntime = \"1 ms\"\nheight = \"20 mm\"\n" + settle("freeze"),
+                                    24);
+  const Bodies& bodies = run.world().bodies;
+  double top = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) top = std::max(top, bodies.x[i].z());
+  // None hangs where it was inserted, 20 mm above the bed.
+  EXPECT_LT(top, 0.020);
+}
+
 TEST_F(Settle, RainRests) {
   const std::string rain = "[insertion]\nkind = \"rain\"\ncount = 24\nrate = \"300 1/s\"\n";
   expectRest(narrowBox + commonText + mixture + rain + settle("sleep"), 24);
