@@ -74,7 +74,7 @@ bool findTouch(const Shape& a, const Frame& frameA, const Shape& b, const Frame&
   if (!kernelOf(b, a)({b, frameB, a, frameA, searchAlways}, cache, counts, touch)) return false;
   touch.normal = -touch.normal;
   std::swap(touch.onA, touch.onB);
-  std::swap(touch.nearVertexA, touch.nearVertexB);
+  touch.feature = touch.feature.turnedRound();
   return true;
 }
 

@@ -48,7 +48,7 @@ inline bool reportTouch(const PairView& pair, WarmCache::Kind kind, const LocalM
   touch.overlap = found.depth;
   touch.onA = pair.frameA.toWorld(found.onA);
   touch.onB = pair.frameA.toWorld(found.onB);
-  touch.nearVertexA = touch.nearVertexB = -1;
+  touch.feature = {};
   return true;
 }
 

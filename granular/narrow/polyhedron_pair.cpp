@@ -2,6 +2,7 @@
 // three parts of C (isGlobal), both in a few dozen operations. Otherwise both bounds by the expanding polytope, whose
 // last facet names the new feature; where round-off stops it, the exhaustive search answers.
 #include <algorithm>
+#include <array>
 
 #include "granular/core/tolerances.h"
 #include "granular/narrow/epa.h"
@@ -169,10 +170,8 @@ bool report(const PairView& view, const NamedFeature& f, WarmCache& cache, Narro
   cache.featureA = f.featureA;
   cache.featureB = f.featureB;
   reportTouch(view, f.kind, f.check.minimum, cache, counts, touch);
-  touch.nearVertexA =
-      nameVertex(static_cast<const Polyhedron&>(view.a).tables(), f.kind, WarmCache::faceOfA, f.featureA);
-  touch.nearVertexB =
-      nameVertex(static_cast<const Polyhedron&>(view.b).tables(), f.kind, WarmCache::faceOfB, f.featureB);
+  constexpr std::array kinds = {TouchingFeature::faceOfA, TouchingFeature::faceOfB, TouchingFeature::edges};
+  touch.feature = {kinds[static_cast<std::size_t>(f.kind - WarmCache::faceOfA)], f.featureA, f.featureB};
   return true;
 }
 

@@ -7,13 +7,22 @@
 
 namespace granular {
 
+/// What of two polyhedra touches, as far as the narrow phase has named it: indices in their tables.
+struct TouchingFeature {
+  enum Kind : std::int32_t { unknown, faceOfA, faceOfB, edges };
+  Kind kind = unknown;
+  /// faceOfA: a face of A, the deepest vertex of B; faceOfB: a vertex, a face; edges: an edge of each.
+  std::int32_t a = -1, b = -1;
+
+  TouchingFeature turnedRound() const { return {kind == faceOfA ? faceOfB : kind == faceOfB ? faceOfA : kind, b, a}; }
+};
+
 /// One contact of two convex shapes, world axes.
 struct Touch {
   Vec3 normal;     ///< unit, from A to B
   double overlap;  ///< m, > 0
   Vec3 onA, onB;   ///< deepest points on either surface; onA - onB = overlap * normal
-  /// Of polyhedra: a vertex by the deepest point, where searches begin; -1: not known.
-  std::int32_t nearVertexA = -1, nearVertexB = -1;
+  TouchingFeature feature = {};
 };
 
 }  // namespace granular

@@ -129,6 +129,20 @@ struct Ridge {
   double height;
 };
 
+/// The edge as a ridge, if both its faces are seen.
+bool showRidge(const SurfaceSide& body, double side, const PolyhedronTables::Edge& edge, Ridge& ridge) {
+  if (!body.isSeen(edge.faceLeft) || !body.isSeen(edge.faceRight)) return false;
+  const PolyhedronTables& tables = *body.polyhedron();
+  const Vec3& from = tables.vertices[at(edge.a)];
+  ridge.left = side > 0 ? edge.faceLeft : edge.faceRight;
+  ridge.right = side > 0 ? edge.faceRight : edge.faceLeft;
+  ridge.from = body.projectPoint(from);
+  ridge.to = body.projectPoint(tables.vertices[at(edge.b)]);
+  ridge.height = body.heightOf(from);
+  return true;
+}
+
+/// The one level edge at the deepest vertex.
 bool findRidge(const SurfaceSide& body, double side, Ridge& ridge) {
   const PolyhedronTables& tables = *body.polyhedron();
   const std::int32_t v = body.deepestVertex();
@@ -143,16 +157,8 @@ bool findRidge(const SurfaceSide& body, double side, Ridge& ridge) {
     level = k;
   }
   if (level == spokes.size()) return false;
-
-  const auto &left = spokes[level], &right = spokes[level > 0 ? level - 1 : spokes.size() - 1];
-  if (!body.isSeen(left.face) || !body.isSeen(right.face)) return false;
-  ridge.left = left.face;
-  ridge.right = right.face;
-  if (side < 0) std::swap(ridge.left, ridge.right);
-  ridge.from = body.projectPoint(vertex);
-  ridge.to = body.projectPoint(tables.vertices[at(left.vertex)]);
-  ridge.height = height;
-  return true;
+  const std::int32_t right = spokes[level > 0 ? level - 1 : spokes.size() - 1].face;
+  return showRidge(body, side, {v, spokes[level].vertex, spokes[level].face, right}, ridge);
 }
 
 /// The two points of a ridge where the other body's faces come to its height.
@@ -174,9 +180,8 @@ bool findStretch(const Ridge& ridge, const Vec2& crossing, double depth, const L
 }
 
 /// Edge across edge.
-bool measureCrossing(const SurfaceSide& a, const SurfaceSide& b, const PowerChoice& power, OverlapArea& out) {
-  Ridge ridgeA, ridgeB;
-  if (!findRidge(a, 1, ridgeA) || !findRidge(b, -1, ridgeB)) return false;
+bool measureCrossing(const SurfaceSide& a, const SurfaceSide& b, Ridge ridgeA, Ridge ridgeB, const PowerChoice& power,
+                     OverlapArea& out) {
   const double depth = ridgeA.height - ridgeB.height;
   if (!(depth > 0)) return false;
   Vec2 alongA = ridgeA.to - ridgeA.from;
@@ -223,13 +228,26 @@ bool measureCrossing(const SurfaceSide& a, const SurfaceSide& b, const PowerChoi
 
 }  // namespace
 
-bool measureCorner(const SurfaceSide& a, const SurfaceSide& b, double overlap, double slack, const PowerChoice& power,
-                   OverlapArea& out) {
+bool measureCorner(const TouchingFeature& feature, const SurfaceSide& a, const SurfaceSide& b, double overlap,
+                   double slack, const PowerChoice& power, OverlapArea& out) {
   if (!a.polyhedron() || !b.polyhedron() || !(overlap > 0)) return false;
+  Ridge ridgeA, ridgeB;
+  switch (feature.kind) {
+    case TouchingFeature::faceOfA:
+      return measureTip(b, a, feature.a, -1, power, out);
+    case TouchingFeature::faceOfB:
+      return measureTip(a, b, feature.b, 1, power, out);
+    case TouchingFeature::edges:
+      return showRidge(a, 1, a.polyhedron()->edges[at(feature.a)], ridgeA) &&
+             showRidge(b, -1, b.polyhedron()->edges[at(feature.b)], ridgeB) &&
+             measureCrossing(a, b, ridgeA, ridgeB, power, out);
+    case TouchingFeature::unknown:
+      break;
+  }
   const std::int32_t faceA = a.findStartFace(slack), faceB = b.findStartFace(slack);
   if (faceB >= 0 && measureTip(a, b, faceB, 1, power, out)) return true;
   if (faceA >= 0 && measureTip(b, a, faceA, -1, power, out)) return true;
-  return measureCrossing(a, b, power, out);
+  return findRidge(a, 1, ridgeA) && findRidge(b, -1, ridgeB) && measureCrossing(a, b, ridgeA, ridgeB, power, out);
 }
 
 }  // namespace granular

@@ -7,9 +7,9 @@
 
 namespace granular {
 
-/// False where the overlap is anything else: then the walk over all cells answers. slack: m, as in
-/// SurfaceSide::findStartFace.
-bool measureCorner(const SurfaceSide& a, const SurfaceSide& b, double overlap, double slack, const PowerChoice& power,
-                   OverlapArea& out);
+/// False where the overlap is anything else: then the walk over all cells answers. feature: what touches; unknown: all
+/// that may be is tried. slack: m, as in SurfaceSide::findStartFace.
+bool measureCorner(const TouchingFeature& feature, const SurfaceSide& a, const SurfaceSide& b, double overlap,
+                   double slack, const PowerChoice& power, OverlapArea& out);
 
 }  // namespace granular

@@ -55,8 +55,10 @@ class FaceWalk {
   FaceWalk(const SurfaceSide& sideA, const SurfaceSide& sideB, const PowerChoice& choice, double narrowestStrip)
       : a(sideA), b(sideB), power(choice), narrowest(narrowestStrip) {}
 
-  void measure(double overlap, OverlapArea& out) {
-    const std::int32_t startA = a.findStartFace(startSlack * overlap), startB = b.findStartFace(startSlack * overlap);
+  void measure(const TouchingFeature& feature, double overlap, OverlapArea& out) {
+    const double slack = startSlack * overlap;
+    const std::int32_t startA = feature.kind == TouchingFeature::faceOfA ? feature.a : a.findStartFace(slack);
+    const std::int32_t startB = feature.kind == TouchingFeature::faceOfB ? feature.b : b.findStartFace(slack);
     if (startA >= 0 && startB >= 0) {
       cells.add({startA, startB, a.findHeight(startA), b.findHeight(startB)});
       walk(out);
@@ -177,9 +179,9 @@ bool measureOverlap(const ContactPlane& plane, const Shape& a, const Frame& fram
   if (sideA.dimension() == 1 || sideB.dimension() == 1) return false;
   out = OverlapArea{};
   if (sideA.dimension() == 3 && sideB.dimension() == 3) {
-    if (measureCorner(sideA, sideB, overlap, startSlack * overlap, power, out)) return true;
+    if (measureCorner(plane.feature, sideA, sideB, overlap, startSlack * overlap, power, out)) return true;
     out = OverlapArea{};
-    FaceWalk(sideA, sideB, power, narrowestStrip).measure(overlap, out);
+    FaceWalk(sideA, sideB, power, narrowestStrip).measure(plane.feature, overlap, out);
   } else {
     measureStrip(sideA, sideB, overlap, power, out);
   }
@@ -190,7 +192,7 @@ bool measureByWalk(const ContactPlane& plane, const Shape& a, const Frame& frame
                    double overlap, const PowerChoice& power, double narrowest, OverlapArea& out) {
   const SurfaceSide sideA(plane, a, frameA, 1), sideB(plane, b, frameB, -1);
   out = OverlapArea{};
-  FaceWalk(sideA, sideB, power, narrowest).measure(overlap, out);
+  FaceWalk(sideA, sideB, power, narrowest).measure({}, overlap, out);
   return out.moments.volume > 0 && out.moments.area > 0;
 }
 

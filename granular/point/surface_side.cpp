@@ -19,11 +19,18 @@ SurfaceSide::SurfaceSide(const ContactPlane& plane, const Shape& shape, const Fr
   if (shape.kind() == ShapeKind::cuboid || shape.kind() == ShapeKind::polyhedron) {
     const auto& polyhedron = static_cast<const Polyhedron&>(shape);
     tables = &polyhedron.tables();
-    const std::int32_t start = sign > 0 ? plane.nearVertexA : plane.nearVertexB;
-    deepest = start >= 0 ? tables->climb(sign * normal, start) : polyhedron.supportVertex(sign * normal);
+    deepest = plane.feature.kind == TouchingFeature::unknown ? polyhedron.supportVertex(sign * normal)
+                                                             : vertexOf(plane.feature);
   } else {
     showFeature(shape);
   }
+}
+
+std::int32_t SurfaceSide::vertexOf(const TouchingFeature& feature) const {
+  const std::int32_t index = sign > 0 ? feature.a : feature.b;
+  if (feature.kind == TouchingFeature::edges) return tables->edges[at(index)].a;
+  const bool ownFace = feature.kind == (sign > 0 ? TouchingFeature::faceOfA : TouchingFeature::faceOfB);
+  return ownFace ? tables->cornersOf(index).front().vertex : index;
 }
 
 void SurfaceSide::showFeature(const Shape& shape) {

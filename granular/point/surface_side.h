@@ -12,15 +12,14 @@ namespace granular {
 /// The plane through the middle of the deepest overlap, normal to the contact: in-plane axes u and v = n x u.
 struct ContactPlane {
   Vec3 origin, u, v, n;
-  std::int32_t nearVertexA, nearVertexB;  // where the search of a polyhedron's deepest vertex begins; -1: anywhere
+  TouchingFeature feature;
 
   explicit ContactPlane(const Touch& touch)
       : origin(0.5 * (touch.onA + touch.onB)),
         u(perpendicular(touch.normal)),
         v(touch.normal.cross(u)),
         n(touch.normal),
-        nearVertexA(touch.nearVertexA),
-        nearVertexB(touch.nearVertexB) {}
+        feature(touch.feature) {}
   Vec2 project(const Vec3& p) const { return {u.dot(p - origin), v.dot(p - origin)}; }
   Vec3 lift(const Vec2& x, double height) const { return origin + x.x() * u + x.y() * v + height * n; }
 };
@@ -67,6 +66,8 @@ class SurfaceSide {
 
  private:
   void showFeature(const Shape& shape);
+  /// A vertex of this body's part of the feature, all of whose vertices are deepest.
+  std::int32_t vertexOf(const TouchingFeature& feature) const;
 
   /// The plane faceNormal . p = offset (body axes) as a height over the contact plane.
   Linear findPlaneHeight(const Vec3& faceNormal, double offset) const {

@@ -12,7 +12,7 @@ namespace {
 std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 /// How many pairs ahead of the one looked at.
-constexpr std::size_t farAhead = 8, nextAhead = 3;
+constexpr std::size_t farAhead = 8, nextAhead = 2;
 
 /// Half-open range of one chunk's items.
 struct Range {

@@ -65,7 +65,7 @@ TEST(CornerOverlap, IsWhatTheWalkOverAllCellsFinds) {
     const PowerChoice power{4, overlap};
     OverlapArea fast, slow;
     ++total;
-    if (!measureCorner(a, b, overlap, 1e-3 * overlap, power, fast)) continue;
+    if (!measureCorner(plane.feature, a, b, overlap, 1e-3 * overlap, power, fast)) continue;
     ASSERT_TRUE(measureByWalk(plane, *scene.a, scene.frameA, *scene.b, scene.frameB, overlap, power, 0, slow));
     ++served;
     // Round-off of heights over the extent of the overlap: 1e-15/depth, times the slenderness of slivers.
@@ -77,14 +77,39 @@ TEST(CornerOverlap, IsWhatTheWalkOverAllCellsFinds) {
   RecordProperty("served", served);
 }
 
+TEST(CornerOverlap, TheNamedFeatureGivesWhatTheSearchForItGives) {
+  Random random(12);
+  int named = 0;
+  for (int trial = 0; trial < 1500; ++trial) {
+    const Scene scene = makeScene(random, std::pow(10.0, random.uniform(-5, -1)));
+    if (scene.touch.feature.kind == TouchingFeature::unknown) continue;
+    Touch nameless = scene.touch;
+    nameless.feature = {};
+    const double overlap = scene.touch.overlap;
+    const PowerChoice power{4, overlap};
+    OverlapArea byName, bySearch;
+    const bool found = measureOverlap(ContactPlane(scene.touch), *scene.a, scene.frameA, *scene.b, scene.frameB,
+                                      overlap, power, byName);
+    ASSERT_EQ(found, measureOverlap(ContactPlane(nameless), *scene.a, scene.frameA, *scene.b, scene.frameB, overlap,
+                                    power, bySearch));
+    if (!found) continue;
+    ++named;
+    // As between the corner and the walk: one of the two may have taken the other way.
+    expectSame(byName.moments, bySearch.moments, 1e-7, ("trial " + std::to_string(trial)).c_str());
+    EXPECT_NEAR(byName.height, bySearch.height, 1e-6 * overlap + 1e-12);
+    if (HasFailure()) break;
+  }
+  EXPECT_GT(named, 1000);
+}
+
 TEST(CornerOverlap, LeavesFacesAndDeepOverlapsToTheWalk) {
   const Cuboid cube(Vec3(1, 1, 1));
   const Frame below(Mat3::Identity(), Vec3(0, 0, 0)), above(Mat3::Identity(), Vec3(0.3, 0.2, 1.99));
-  const Touch touch{Vec3::UnitZ(), 0.01, Vec3(0, 0, 1), Vec3(0, 0, 0.99)};
+  const Touch touch{Vec3::UnitZ(), 0.01, Vec3(0, 0, 1), Vec3(0, 0, 0.99), {}};
   const ContactPlane plane(touch);
   const SurfaceSide a(plane, cube, below, 1), b(plane, cube, above, -1);
   OverlapArea out;
-  EXPECT_FALSE(measureCorner(a, b, touch.overlap, 1e-5, {}, out));
+  EXPECT_FALSE(measureCorner({}, a, b, touch.overlap, 1e-5, {}, out));
 }
 
 }  // namespace
