@@ -20,7 +20,7 @@ enum class PointRule : unsigned char {
 };
 
 struct RuleOptions {
-  PointRule rule = PointRule::patch;
+  PointRule rule = PointRule::stiffPatch;
   /// Thickness of the feature slab of faceCentroid, as a fraction of the overlap (1: every vertex that penetrates).
   double slab = 0.01;
   /// Of stiffPatch, 1 or more: a face's rocking stiffness is 2 sharpness times that of an elastic foundation.

@@ -438,7 +438,8 @@ std::string PackingRun::describePlan() const {
   for (const ParticleSettings& group : settings.particles) text += fmt::format(", {}", group.name);
   text +=
       fmt::format("\ntime step: {:.4g} s = {:.3g} of the bound; {}\n", dt, dt / stepBound.bound, stepBound.explanation);
-  text += fmt::format("model: {}, {}, {}\n", settings.model.law, settings.model.pointRule, settings.model.integrator);
+  text += fmt::format("model: {}, {}, {}\n", settings.model.law, pointRuleName(state->options.rule.rule),
+                      settings.model.integrator);
   text += describeSkips(settings) + "\n";
   text += fmt::format("expected: {:.2g} s simulated, {:.2g} steps, {:.0f} s on one core, {:.0f} MB\n", simulated, steps,
                       wall, 20 + particles * 8e-3);

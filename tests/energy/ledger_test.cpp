@@ -169,6 +169,7 @@ TEST(Ledger, OfAnObliqueImpactHasAResidualOfSecondOrder) {
             setElasticity({1e7, .2}, {1e7, .2}, scenario.contact);
             scenario.floor = true;
             scenario.options.law = law;
+            scenario.options.rule.rule = PointRule::witness;
             auto world = makeWorld(scenario);
             addBall(*world, Vec3(0, 0, radius + .3 * dt * phase), Vec3(speed, .1, -.3), Vec3(20, -10, 30));
             return world;

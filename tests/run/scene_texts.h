@@ -16,6 +16,8 @@ namespace granular {
 
 /// Soft contacts, for long steps; nothing drawn; an early rest.
 inline const std::string commonText = R"(
+[model]
+point_rule = "patch"
 [contact_default]
 stiffness = "500 N/m"
 restitution = 0.5

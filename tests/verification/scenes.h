@@ -13,6 +13,7 @@ namespace granular {
 inline WorldOptions plainOptions() {
   WorldOptions options;
   options.gravity.setZero();
+  options.rule.rule = PointRule::patch;  // the towers' steps are made for it
   options.lawOptions.tension = false;
   options.lawOptions.frictionOfPush = true;
   options.deepOverlap = infinity;

@@ -62,7 +62,7 @@ inline TriangleMesh placed(TriangleMesh mesh, const Frame& frame) {
 }
 
 inline std::vector<WallTouch> touchesOf(const Wall& wall, const Shape& shape, const Frame& frame,
-                                        PointRule rule = PointRule::patch) {
+                                        PointRule rule = RuleOptions{}.rule) {
   std::vector<WallTouch> touches;
   RuleOptions options;
   options.rule = rule;

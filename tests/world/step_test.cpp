@@ -233,6 +233,7 @@ TEST(TimeStep, BoundBeforeTheRunIsBelowThatOfTheContactsThatCome) {
 std::unique_ptr<World> makeElasticHeap(double young) {
   WorldOptions options;
   options.law = LawKind::hertzMindlin;
+  options.rule.rule = PointRule::patch;
   MaterialTable materials;
   ContactParameters contact;
   contact.restitution = 0.5;
@@ -316,6 +317,7 @@ TEST(Law, RadiusOfAContactIsThatOfTheSumOfBothCurvatures) {
 TEST(Law, OfHertzNeedsElasticMaterialsAndARuleOfItsDepth) {
   WorldOptions options;
   options.law = LawKind::hertz;
+  options.rule.rule = PointRule::patch;
   MaterialTable materials;
   materials.add("stone", ContactParameters{});
   EXPECT_THROW(World(options, materials), InputError);
