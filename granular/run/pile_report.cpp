@@ -85,6 +85,23 @@ Table tabulateSurface(const std::vector<SurfacePoint>& surface, bool plane) {
   return table;
 }
 
+/// The particles that touch something: those on their way down are no part of the pile.
+Bed keepStanding(const Bed& bed) {
+  std::vector<bool> touches(bed.size(), false);
+  for (const BedContact& contact : bed.contacts) {
+    touches[static_cast<std::size_t>(contact.a)] = true;
+    if (contact.b >= 0) touches[static_cast<std::size_t>(contact.b)] = true;
+  }
+  Bed standing;
+  standing.vessel = bed.vessel;
+  for (std::size_t i = 0; i < bed.size(); ++i) {
+    if (!touches[i]) continue;
+    standing.shapes.push_back(bed.shapes[i]);
+    standing.frames.push_back(bed.frames[i]);
+  }
+  return standing;
+}
+
 /// Angle and line.
 void measureSlope(const Bed& bed, const std::vector<SurfacePoint>& surface, PileResult& result) {
   double length = 0, height = 0;
@@ -117,10 +134,11 @@ PileResult writePileReport(const PackingRun& run, RunEnd end, int threads, const
   const bool plane = isPlane(run.scene());
   const double spacing = defaultSpacing(bed);
   PileResult result;
+  const Bed standing = keepStanding(bed);
   const std::vector<SurfacePoint> surface =
-      plane ? sampleSide(bed, spacing) : sampleCone(bed, 4 * spacing, PileOptions{}.sectors);
-  measureSlope(bed, surface, result);
-  if (plane) measurePlane(bed, surface, run.scene().particles[0], result);
+      plane ? sampleSide(standing, spacing) : sampleCone(standing, 4 * spacing, PileOptions{}.sectors);
+  measureSlope(standing, surface, result);
+  if (plane) measurePlane(standing, surface, run.scene().particles[0], result);
   const ContactNetwork network = analyseContacts(bed);
   result.coordinationParticles = network.coordination;
   result.coordinationSpheres = 2 * static_cast<double>(network.particleContacts) / static_cast<double>(bed.size());
@@ -136,6 +154,7 @@ PileResult writePileReport(const PackingRun& run, RunEnd end, int threads, const
                      {"coordination_particles", result.coordinationParticles},
                      {"coordination_spheres", result.coordinationSpheres},
                      {"potential_contacts_per_particle", result.potentialContacts}};
+  report.more.emplace_back("particles_in_flight", static_cast<double>(bed.size() - standing.size()));
   const Table table = tabulateSurface(surface, plane);
   writeTable(out / "surface.csv", table);
   report.tables.emplace_back("surface.csv", table.definition);
