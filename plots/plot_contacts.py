@@ -17,6 +17,7 @@ import json
 import math
 import os
 
+from outline import hull
 from run_folder import EXIT_INPUT, EXIT_TOOL, stop
 
 try:
@@ -159,22 +160,6 @@ def draw_work(scenes, rows, path):
     figure.legend(handles, labels, loc="lower center", fontsize=8, ncol=9, columnspacing=1)
     figure.tight_layout(rect=(0, 0.03, 1, 1))
     figure.savefig(path, dpi=85)
-
-
-def hull(points):
-    """Convex hull in the plane, counter-clockwise (Andrew's monotone chain)."""
-    points = sorted(set(points))
-
-    def half(sequence):
-        out = []
-        for p in sequence:
-            while len(out) > 1 and ((out[-1][0] - out[-2][0]) * (p[1] - out[-2][1])
-                                    - (out[-1][1] - out[-2][1]) * (p[0] - out[-2][0])) <= 0:
-                out.pop()
-            out.append(p)
-        return out[:-1]
-
-    return half(points) + half(reversed(points))
 
 
 def read_state(path):

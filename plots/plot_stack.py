@@ -13,6 +13,7 @@ import json
 import os
 import sys
 
+from outline import hull
 from run_folder import EXIT_INPUT, EXIT_TOOL, stop
 
 try:
@@ -66,22 +67,6 @@ def rotate(q, v):
     t = [2 * (y * v[2] - z * v[1]), 2 * (z * v[0] - x * v[2]), 2 * (x * v[1] - y * v[0])]
     return [v[0] + w * t[0] + y * t[2] - z * t[1], v[1] + w * t[1] + z * t[0] - x * t[2],
             v[2] + w * t[2] + x * t[1] - y * t[0]]
-
-
-def hull(points):
-    """Convex hull in the plane, counter-clockwise (Andrew's monotone chain)."""
-    points = sorted(set(points))
-
-    def half(sequence):
-        out = []
-        for p in sequence:
-            while len(out) > 1 and ((out[-1][0] - out[-2][0]) * (p[1] - out[-2][1])
-                                    - (out[-1][1] - out[-2][1]) * (p[0] - out[-2][0])) <= 0:
-                out.pop()
-            out.append(p)
-        return out[:-1]
-
-    return half(points) + half(reversed(points))
 
 
 def draw_tower(folder, result):
