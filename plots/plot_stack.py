@@ -91,6 +91,10 @@ def draw_tower(folder, result):
         axis.axhline(0, color="#555", lw=1)
         axis.set_aspect("equal")
         axis.set_xlabel(name)
+        axis.locator_params(axis="x", nbins=2)
+        low, high = axis.get_xlim()
+        if axis.get_ylim()[1] > 6 * (high - low):
+            axis.set_xticks([0])  # more would lie on each other
     axes[0].set_ylabel("height, mm")
     figure.suptitle(title_of(result), fontsize=9)
     figure.tight_layout()
