@@ -93,7 +93,7 @@ using FindHertz = ContactStiffness(const LawConstants&, const LawOptions&, const
 template <FindHertz findStiffness>
 void accountHertz(const LawConstants& c, const LawOptions& options, const ContactBody& a, const ContactBody& b,
                   const ContactMotion& m, const SpringStep& step, ContactAccount& account) {
-  const ContactStiffness k = findStiffness(c, options, a, b, m.normal, m.overlap, m.radius);
+  const ContactStiffness k = findStiffness(c, options, a, b, m.normal, stiffDepth(m), m.radius);
   const double normal = m.share * k.normal, tangential = m.share * k.tangential;
   account.normalSpring = 0.4 * normal * m.squaredDepth;
   account.tangentialSpring = 0.5 * tangential * step.spring.squaredNorm();

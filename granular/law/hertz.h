@@ -63,26 +63,32 @@ inline ContactStiffness findMindlinStiffness(const LawConstants& c, const LawOpt
   return k;
 }
 
+/// The depth whose stiffness a contact has: the overlap, or what a rule with a potential of its own makes of it. With
+/// the linear potential k_n/2 u^2 of a rule, force k_n u du, Hertz's is 2/5 K u^{5/2}, of force K sqrt(u) u du: the
+/// stiffness at u times the rule's depth u du.
+inline double stiffDepth(const ContactMotion& m) { return std::sqrt(m.squaredDepth); }
+
 /// A contact that grew keeps its tangential force, not its spring's length: the spring becomes shorter as it becomes
 /// stiffer. The overlap a step ago is that of the motion since; R counts as it is.
 inline void shortenGrownSpring(const ContactMotion& m, ContactHistory& history) {
   const double grown = m.normal.dot(m.slip);
   if (!(grown > 0) || history.normal.isZero()) return;
-  const double ratio = std::sqrt(std::max(m.overlap - grown, 0.0) / m.overlap);
+  const double depth = stiffDepth(m);
+  const double ratio = depth > grown ? std::sqrt((depth - grown) / depth) : 0;
   history.spring *= ratio;
   history.twist *= ratio;
 }
 
 inline void applyHertzLaw(const LawConstants& c, const LawOptions& options, const ContactBody& a, const ContactBody& b,
                           const ContactMotion& m, ContactHistory& history, ContactForce& out) {
-  pressAndRub(findHertzStiffness(c, options, a, b, m.normal, m.overlap, m.radius), c, options, m, history, out);
+  pressAndRub(findHertzStiffness(c, options, a, b, m.normal, stiffDepth(m), m.radius), c, options, m, history, out);
 }
 
 inline void applyHertzMindlinLaw(const LawConstants& c, const LawOptions& options, const ContactBody& a,
                                  const ContactBody& b, const ContactMotion& m, ContactHistory& history,
                                  ContactForce& out) {
   shortenGrownSpring(m, history);
-  pressAndRub(findMindlinStiffness(c, options, a, b, m.normal, m.overlap, m.radius), c, options, m, history, out);
+  pressAndRub(findMindlinStiffness(c, options, a, b, m.normal, stiffDepth(m), m.radius), c, options, m, history, out);
 }
 
 }  // namespace granular

@@ -54,7 +54,7 @@ struct ContactBody {
 struct ContactMotion {
   Vec3 normal;              ///< unit, A to B
   double overlap = 0;       ///< what the elastic force is k_n times of, m
-  double squaredDepth = 0;  ///< what the elastic energy is k_n/2 times of, m^2; only accounts read it
+  double squaredDepth = 0;  ///< what the elastic energy is k_n/2 times of, m^2; accounts and Hertz's laws read it
   Vec3 velocity;            ///< of A's contact point minus B's at t_n, at `point`
   Vec3 slip;                ///< relative displacement of the contact point during the last step, m
   Vec3 spin;                ///< w_A - w_B at t_n, rad/s; read only for a patch

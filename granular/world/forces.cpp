@@ -91,7 +91,10 @@ Encounter meet(const World& world, const Contact& contact, double dt) {
   motion.vv = contact.patch.vv;
   motion.uv = contact.patch.uv;
   motion.rocking = rockingDamping(world.options.rule);
-  if (lawReadsCurvature(world.options.law)) motion.radius = contactRadius(world, contact);
+  if (lawReadsCurvature(world.options.law)) {
+    motion.radius = contactRadius(world, contact);
+    motion.squaredDepth = contact.patch.squaredDepth;
+  }
   return met;
 }
 

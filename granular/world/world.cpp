@@ -26,7 +26,7 @@ void checkElasticLaw(const WorldOptions& options, const MaterialTable& materials
                                                              "\" have no Young's modulus and Poisson's ratio");
     }
   }
-  require(options.rule.rule != PointRule::foundation && options.rule.rule != PointRule::stiffPatch,
+  require(options.rule.rule != PointRule::foundation,
           "law \"" + law + "\" does not go with the contact-point rule \"" +
               std::string(pointRuleName(options.rule.rule)) +
               "\", whose depth is a mean over the overlap and not Hertz's: choose another");
