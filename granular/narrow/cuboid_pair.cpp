@@ -160,6 +160,33 @@ FeatureCheck checkAxis(const Boxes& p, WarmCache::Kind kind, int i, int j) {
   return checkEdges(p, i, j);
 }
 
+/// The corner of a cuboid furthest along d: sign bits.
+std::int32_t cornerAlong(const Vec3& d) { return (d.x() > 0) + 2 * (d.y() > 0) + 4 * (d.z() > 0); }
+
+/// The edge along axis i through a corner, in the tables' order (by its ends).
+std::int32_t edgeThrough(std::int32_t corner, int i) {
+  constexpr std::int32_t edges[8][3] = {{0, 1, 2},  {-1, 3, 4},   {5, -1, 6},   {-1, -1, 7},
+                                        {8, 9, -1}, {-1, 10, -1}, {11, -1, -1}, {-1, -1, -1}};
+  return edges[corner & ~(1 << i)][i];
+}
+
+/// What touches along the normal of the axis found, as the tables of cuboids name it.
+TouchingFeature nameFeature(const Boxes& p, WarmCache::Kind kind, int i, int j, const Vec3& normal) {
+  const Vec3 inB = -p.frame.unrotate(normal);
+  if (kind == WarmCache::faceOfA) return {TouchingFeature::faceOfA, 2 * i + (normal[i] > 0), cornerAlong(inB)};
+  if (kind == WarmCache::faceOfB) return {TouchingFeature::faceOfB, cornerAlong(normal), 2 * j + (inB[j] > 0)};
+  return {TouchingFeature::edges, edgeThrough(cornerAlong(normal), i), edgeThrough(cornerAlong(inB), j)};
+}
+
+bool report(const PairView& view, const Boxes& p, const Axis& axis, const LocalMinimum& found, WarmCache& cache,
+            NarrowCounts& counts, Touch& touch) {
+  cache.featureA = axis.i;
+  cache.featureB = axis.j;
+  reportTouch(view, axis.kind, found, cache, counts, touch);
+  touch.feature = nameFeature(p, axis.kind, axis.i, axis.j, found.normal);
+  return true;
+}
+
 }  // namespace
 
 bool touchCuboids(const PairView& view, WarmCache& cache, NarrowCounts& counts, Touch& touch) {
@@ -176,8 +203,8 @@ bool touchCuboids(const PairView& view, WarmCache& cache, NarrowCounts& counts, 
 
   // Warm and touching: the last axis, if it is a minimum and proves to be the global one.
   if (cache.touched && !view.searchAlways) {
-    const auto kind = static_cast<WarmCache::Kind>(cache.kind);
-    const FeatureCheck last = checkAxis(p, kind, cache.featureA, cache.featureB);
+    const Axis axis{static_cast<WarmCache::Kind>(cache.kind), cache.featureA, cache.featureB, 0};
+    const FeatureCheck last = checkAxis(p, axis.kind, axis.i, axis.j);
     const LocalMinimum& m = last.minimum;
     if (last.holds && !(m.depth > 0)) {
       ++counts.warm;
@@ -185,7 +212,7 @@ bool touchCuboids(const PairView& view, WarmCache& cache, NarrowCounts& counts, 
     }
     if (last.holds && isGlobal(m.normal, m.depth, last.margin, p.frame.x, p.inner)) {
       ++counts.warm;
-      return reportTouch(view, kind, m, cache, counts, touch);
+      return report(view, p, axis, m, cache, counts, touch);
     }
   }
 
@@ -201,9 +228,7 @@ bool touchCuboids(const PairView& view, WarmCache& cache, NarrowCounts& counts, 
     Difference c(view.a, view.frameA, view.b, view.frameB);
     countProposal(c, askBullet(c, guessNormal(c, cache)), best.depth, counts);
   }
-  cache.featureA = best.i;
-  cache.featureB = best.j;
-  return reportTouch(view, best.kind, found.minimum, cache, counts, touch);
+  return report(view, p, best, found.minimum, cache, counts, touch);
 }
 
 }  // namespace granular

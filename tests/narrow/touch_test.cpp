@@ -29,6 +29,50 @@ TEST(Touch, TwoSpheresOverlapByTheirRadiiLessTheirDistance) {
   EXPECT_NEAR((touch.onA - touch.onB - touch.overlap * touch.normal).norm(), 0, 1e-15);
 }
 
+/// How far the named part of a body stays behind its deepest point along n (body axes), and how far its faces' normals
+/// are from n where it is a face.
+double shortOf(const PolyhedronTables& t, const Vec3& n, TouchingFeature::Kind kind, TouchingFeature::Kind ownFace,
+               std::int32_t index) {
+  const double deepest = n.dot(t.vertices[static_cast<std::size_t>(t.supportVertex(n))]);
+  const auto lag = [&](std::int32_t v) { return deepest - n.dot(t.vertices[static_cast<std::size_t>(v)]); };
+  if (kind == TouchingFeature::edges) {
+    const PolyhedronTables::Edge& edge = t.edges[static_cast<std::size_t>(index)];
+    return std::max(lag(edge.a), lag(edge.b));
+  }
+  if (kind != ownFace) return lag(index);
+  double worst = (t.faces[static_cast<std::size_t>(index)].normal - n).norm();
+  for (const PolyhedronTables::Corner& corner : t.cornersOf(index)) worst = std::max(worst, lag(corner.vertex));
+  return worst;
+}
+
+TEST(Touch, TheNamedFeatureIsTheDeepestOfEitherBody) {
+  Random random(31);
+  std::array<int, 4> seen{};
+  for (int trial = 0; trial < 4000; ++trial) {
+    const Cuboid box(Vec3(random.uniform(.5, 2), random.uniform(.5, 2), random.uniform(.5, 2)));
+    const auto rock = makeRock(random, 5 + static_cast<int>(random.below(16)), 1, Vec3(1, 1, random.uniform(.5, 3)));
+    const Cuboid other(Vec3(random.uniform(.5, 2), random.uniform(.5, 2), random.uniform(.5, 2)));
+    const Polyhedron& a = trial % 3 == 0 ? static_cast<const Polyhedron&>(*rock) : box;
+    const Polyhedron& b = trial % 2 == 0 ? static_cast<const Polyhedron&>(*rock) : other;
+    const Frame frameA = randomFrame(random, 1);
+    Frame frameB = randomFrame(random, 1);
+    setDepth(a, frameA, b, random.direction(), 1e-3, frameB);
+    Touch touch;
+    WarmCache cache;
+    NarrowCounts counts;
+    if (!findTouch(a, frameA, b, frameB, false, cache, counts, touch)) continue;
+    const TouchingFeature& f = touch.feature;
+    ++seen[static_cast<std::size_t>(f.kind)];
+    if (f.kind == TouchingFeature::unknown) continue;
+    // Round-off of the positions, of order 1.
+    const Vec3 inA = frameA.unrotate(touch.normal), inB = -frameB.unrotate(touch.normal);
+    EXPECT_LT(shortOf(a.tables(), inA, f.kind, TouchingFeature::faceOfA, f.a), 1e-11) << trial;
+    EXPECT_LT(shortOf(b.tables(), inB, f.kind, TouchingFeature::faceOfB, f.b), 1e-11) << trial;
+  }
+  for (const int count : {seen[1], seen[2], seen[3]}) EXPECT_GT(count, 300);
+  EXPECT_LT(seen[0], 10);
+}
+
 TEST(Touch, AlignedCubesTouchAlongTheirFaceNormal) {
   const Cuboid cube(Vec3::Constant(1.5e-3));
   for (const double overlap : {1e-4, 1e-6, 1e-9, 1e-12}) {
