@@ -76,7 +76,7 @@ struct ModelSettings {
   bool tension = true;                                 ///< keep the attractive end of a damped contact (S 10)
   FrictionLimit frictionLimit = FrictionLimit::total;  ///< Coulomb's limit from |F_n| (S 11) or max(F_n, 0)
   ContactMass contactMass = ContactMass::reduced;
-  std::string pointRule = "auto";
+  std::string pointRule = "stiff_patch";
   double slab = 0.01;           ///< feature slab of face_centroid, fraction of the overlap
   std::int64_t sharpness = 24;  ///< of stiff_patch: half the rocking stiffness of a face over an elastic foundation's
   std::string integrator = "seelen";

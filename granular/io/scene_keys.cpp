@@ -26,8 +26,8 @@ constexpr std::string_view contactMasses[] = {"reduced", "local"};
 constexpr std::string_view laws[] = {"linear", "linear_local", "tensor", "hertz", "hertz_mindlin"};
 constexpr std::string_view springLaws = "linear|linear_local|tensor";
 constexpr std::string_view elasticLaws = "hertz|hertz_mindlin";
-constexpr std::string_view pointRules[] = {"auto",  "witness",     "manifold",  "face_centroid", "pressure_centroid",
-                                           "patch", "stiff_patch", "foundation"};
+constexpr std::string_view pointRules[] = {"witness", "manifold",    "face_centroid", "pressure_centroid",
+                                           "patch",   "stiff_patch", "foundation"};
 constexpr std::string_view integrators[] = {"seelen", "spiral"};
 constexpr std::string_view shapes[] = {"sphere",     "ellipsoid", "cylinder", "cone",     "cuboid",
                                        "polyhedron", "mesh",      "sand",     "woodchip", "clump"};
@@ -126,9 +126,7 @@ void visitModel(KeyVisitor& v, ModelSettings& s) {
              frictionLimits);
   v.readEnum({"contact_mass", "mass behind the dashpot: reduced mass, or what the contact point feels"}, s.contactMass,
              contactMasses);
-  readTextChoice(
-      v, {"point_rule", "where the contact force acts; auto: stiff_patch, or patch where the law is one of Hertz's"},
-      s.pointRule, pointRules);
+  readTextChoice(v, {"point_rule", "where the contact force acts"}, s.pointRule, pointRules);
   v.readNumber({"slab", "face_centroid: thickness of the feature slab as a fraction of the overlap"}, s.slab, D::none,
                fraction);
   v.readInteger(

@@ -51,16 +51,10 @@ MaterialTable makeMaterials(const Scene& scene) {
   return table;
 }
 
-/// The rule the scene names, or the one that goes with its law.
-PointRule pointRuleOf(const ModelSettings& model) {
-  if (model.pointRule != "auto") return pointRuleFromName(model.pointRule);
-  return lawReadsCurvature(lawFromName(model.law)) ? PointRule::patch : PointRule::stiffPatch;
-}
-
 WorldOptions makeOptions(const Scene& scene) {
   WorldOptions options;
   options.gravity = scene.gravity;
-  options.rule = {pointRuleOf(scene.model), scene.model.slab, static_cast<int>(scene.model.sharpness)};
+  options.rule = {pointRuleFromName(scene.model.pointRule), scene.model.slab, static_cast<int>(scene.model.sharpness)};
   options.law = lawFromName(scene.model.law);
   options.lawOptions.tension = scene.model.tension;
   options.lawOptions.frictionOfPush = scene.model.frictionLimit == ModelSettings::FrictionLimit::push;
