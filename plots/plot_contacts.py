@@ -18,16 +18,10 @@ import math
 import os
 
 from outline import hull
-from run_folder import EXIT_INPUT, EXIT_TOOL, stop
+from run_folder import EXIT_INPUT, need_pyplot, stop
 
-try:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    from matplotlib.collections import PolyCollection
-except ImportError:
-    stop(EXIT_TOOL, "matplotlib is missing. Install it with: apt-get install python3-matplotlib")
+plt = need_pyplot()
+from matplotlib.collections import PolyCollection  # once it is known to be there
 
 RULES = ["witness", "manifold", "face_centroid", "pressure_centroid", "patch", "foundation", "stiff_patch"]
 COLOURS = dict(zip(RULES, ["#999999", "#8c564b", "#e377c2", "#ff7f0e", "#2ca02c", "#1f77b4", "#d62728"]))

@@ -11,15 +11,9 @@ import argparse
 import math
 import os
 
-from run_folder import EXIT_INPUT, EXIT_TOOL, RunFolder, stop
+from run_folder import EXIT_INPUT, RunFolder, need_pyplot, stop
 
-try:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-except ImportError as error:
-    stop(EXIT_TOOL, f"matplotlib is missing ({error}). Install it with: apt-get install python3-matplotlib")
+plt = need_pyplot()
 
 BLUE, ORANGE, GREEN, GREY = "#0b5fa5", "#d1610a", "#2a8a57", "#8a9099"
 LENGTH = "unit lengths"

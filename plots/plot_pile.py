@@ -5,18 +5,17 @@ usage: plot_pile.py DIR
 
 Reads DIR/pile.json and DIR/surface.csv (of the demo pile) and writes DIR/pile.png: for a pile in the plane its
 particles, for a cone the mean height at each distance from the axis.
-Exit codes: 0 done; 1 the folder holds no pile.
+Exit codes: 0 done; 2 the folder holds no pile; 3 matplotlib is missing.
 """
 
 import json
 import os
 import sys
 
-import matplotlib
+from run_folder import EXIT_INPUT, need_pyplot, stop
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-import numpy as np
+plt = need_pyplot()
+import numpy as np  # comes with it
 from matplotlib.collections import EllipseCollection
 
 GRAIN, EDGE, LINE, SURFACE = "#d9c7a3", "#7a6a4a", "#b0302a", "#3f7f93"
@@ -35,12 +34,11 @@ def draw_particles(pile, axes):
         n = len(smooth)
         ellipses(1e3 * smooth[:, 0], 1e3 * smooth[:, 1], np.full(n, 2e3 * a), np.full(n, 2e3 * b),
                  np.degrees(smooth[:, 2]), axes, GRAIN, EDGE)
-    # Children twice, a rim and its filling, so that a clump has one outline.
+    # Children twice, a rim and its filling .08 mm inside, so that a clump has one outline.
     discs = np.array([d for p in particles for d in p.get("discs", [])])
     if len(discs):
-        for grow, colour in ((0.06, EDGE), (0.0, GRAIN)):
-            width = 2e3 * discs[:, 2] * (1 - grow if colour == GRAIN else 1)
-            width = width - (0.08 if colour == GRAIN else 0)
+        for rim, colour in ((0, EDGE), (0.08, GRAIN)):
+            width = 2e3 * discs[:, 2] - rim
             ellipses(1e3 * discs[:, 0], 1e3 * discs[:, 1], width, width, np.zeros(len(discs)), axes, colour, "none")
 
 
@@ -53,8 +51,7 @@ def main():
             pile = json.load(file)
         surface = np.genfromtxt(os.path.join(folder, "surface.csv"), delimiter=",", skip_header=2, ndmin=2)
     except OSError as error:
-        print(f"plot_pile.py: {error}", file=sys.stderr)
-        sys.exit(1)
+        stop(EXIT_INPUT, str(error))
     width, height = surface[-1, 0], 1.1 * surface[:, 1].max()
     figure, axes = plt.subplots(figsize=(12, min(12, max(1.2, 11 * height / width)) + 1.2))
     if pile["plane"]:

@@ -19,7 +19,7 @@ import os
 import re
 import statistics
 
-from run_folder import EXIT_INPUT, EXIT_TOOL, stop
+from run_folder import EXIT_INPUT, need_pyplot, stop
 
 QUANTITIES = ["repose_angle_deg", "porosity", "porosity_smooth", "coordination_particles", "coordination_spheres",
               "potential_contacts_per_particle", "wall_s"]
@@ -115,13 +115,7 @@ def draw_over_factors(axis, cells):
 
 
 def draw(groups, path):
-    try:
-        import matplotlib
-
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        stop(EXIT_TOOL, "matplotlib is missing. Install it with: apt-get install python3-matplotlib")
+    plt = need_pyplot()
     figure, rows = plt.subplots(len(groups), 4, figsize=(18, 4.2 * len(groups)), squeeze=False)
     for axes, ((count, sleep), cells) in zip(rows, sorted(groups.items())):
         note = f"{count} particles, sleep {sleep}"

@@ -15,7 +15,7 @@ import json
 import math
 import os
 
-from run_folder import EXIT_INPUT, EXIT_TOOL, stop
+from run_folder import EXIT_INPUT, need_pyplot, stop
 
 DPI = 80
 
@@ -182,13 +182,7 @@ def main():
     parts = [part for part in parts if part[1]]
     if not parts:
         stop(EXIT_INPUT, f"{options.dir}: holds no results")
-    try:
-        import matplotlib
-
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        stop(EXIT_TOOL, "matplotlib is missing. Install it with: apt-get install python3-matplotlib")
+    plt = need_pyplot()
     text = ""
     for name, rows, tabulate, draw in parts:
         text += f"### {name}\n\n" + tabulate(rows) + "\n"

@@ -14,16 +14,10 @@ import os
 import sys
 
 from outline import hull
-from run_folder import EXIT_INPUT, EXIT_TOOL, stop
+from run_folder import EXIT_INPUT, need_pyplot, stop
 
-try:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    from matplotlib.collections import PolyCollection
-except ImportError:
-    stop(EXIT_TOOL, "matplotlib is missing. Install it with: apt-get install python3-matplotlib")
+plt = need_pyplot()
+from matplotlib.collections import PolyCollection  # once it is known to be there
 
 
 def read_columns(path):

@@ -12,7 +12,7 @@ import glob
 import json
 import os
 
-from run_folder import EXIT_INPUT, EXIT_TOOL, stop
+from run_folder import EXIT_INPUT, need_pyplot, stop
 
 RULES = ["witness", "manifold", "face_centroid", "pressure_centroid", "patch", "foundation", "stiff_patch", "bullet"]
 HEAD = ("| rule | N | dt, s | k_n, N/m | perturbation | start | stands | drift/side | tilt, rad | kinetic energy, J | trend, 1/s "
@@ -47,13 +47,7 @@ def row(run):
 
 
 def draw(runs, path):
-    try:
-        import matplotlib
-
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
-        stop(EXIT_TOOL, "matplotlib is missing. Install it with: apt-get install python3-matplotlib")
+    plt = need_pyplot()
     figure, axis = plt.subplots(figsize=(8, 5))
     names = sorted({label(run) for run in runs}, key=lambda name: (RULES.index(name.split(",")[0]), name))
     for index, name in enumerate(names):

@@ -20,6 +20,18 @@ def stop(code, message):
     sys.exit(code)
 
 
+def need_pyplot():
+    """matplotlib.pyplot, which draws into files alone. Ends the program where it is missing."""
+    try:
+        import matplotlib
+
+        matplotlib.use("Agg")
+        import matplotlib.pyplot as plt
+    except ImportError as error:
+        stop(EXIT_TOOL, f"matplotlib is missing ({error}). Install it with: apt-get install python3-matplotlib")
+    return plt
+
+
 class Table:
     """A CSV table: columns by name."""
 
