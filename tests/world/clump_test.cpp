@@ -6,7 +6,6 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <cstring>
 #include <map>
 #include <tuple>
 
@@ -14,18 +13,16 @@
 #include "granular/narrow/clump_pair.h"
 #include "granular/shape/ellipsoid.h"
 #include "granular/shape/polyhedron.h"
-#include "granular/world/stages.h"
 #include "granular/world/time_step.h"
-#include "granular/world/world.h"
+#include "world/heap.h"
 
 namespace granular {
 namespace {
 
-std::unique_ptr<World> makeEmptyWorld(const WorldOptions& options = {}, const ContactParameters& contact = {}) {
-  MaterialTable materials;
-  materials.add("rock", contact);
-  return std::make_unique<World>(options, std::move(materials));
-}
+using testing::isSameBits;
+using testing::makeEmptyWorld;
+using testing::run;
+using testing::stateOf;
 
 std::shared_ptr<const Clump> makeDumbbell(double radius, double distance) {
   return std::make_shared<Clump>(
@@ -60,45 +57,12 @@ std::unique_ptr<World> makeHeap(const WorldOptions& options, int perSide,
     world->walls.push_back(makeCylinderWall(Vec2::Zero(), std::sqrt(2.0) * half));
     world->walls.push_back(makeMeshWall(makeTable(3 * half), "table"));
   } else {
-    world->walls.push_back(makePlaneWall(Vec3::Zero(), Vec3::UnitZ()));
-    for (const double sign : {-1.0, 1.0}) {
-      world->walls.push_back(makePlaneWall({sign * half, 0, 0}, {-sign, 0, 0}));
-      world->walls.push_back(makePlaneWall({0, sign * half, 0}, {0, -sign, 0}));
-    }
+    testing::addBoxOfPlanes(half, *world);
   }
   std::vector<std::int32_t> kinds;
   for (const auto& shape : shapes) kinds.push_back(world->addShape(shape));
-  Random random(5);
-  for (int k = 0; k < perSide * perSide * perSide; ++k) {
-    NewBody body;
-    body.shapeIndex = kinds[static_cast<std::size_t>(k) % kinds.size()];
-    body.pose.x = Vec3((k % perSide + 0.5) * pitch - half, (k / perSide % perSide + 0.5) * pitch - half,
-                       (k / perSide / perSide + 0.55) * pitch);
-    body.pose.q = random.rotation();
-    body.velocity = Vec3(0.3 * random.normal(), 0.3 * random.normal(), -0.3);
-    body.spin = 50 * random.direction();
-    world->addBody(body);
-  }
+  testing::addLattice(kinds, perSide, pitch, 50, *world);
   return world;
-}
-
-void run(World& world, double dt, int steps) {
-  startHalfSteps(world, dt, 0, true);
-  for (int n = 0; n < steps; ++n) step(world, dt);
-}
-
-std::vector<double> stateOf(const World& world) {
-  std::vector<double> state;
-  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    for (int k = 0; k < 3; ++k) state.push_back(world.bodies.x[i][k]);
-    for (int k = 0; k < 4; ++k) state.push_back(world.bodies.q[i].coeffs()[k]);
-    for (int k = 0; k < 3; ++k) state.push_back(world.bodies.w[i][k]);
-  }
-  return state;
-}
-
-bool isSameBits(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), 8 * a.size()) == 0;
 }
 
 TEST(Clumps, OneSphereMovesAsTheSphereDoesToTheBit) {

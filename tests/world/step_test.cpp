@@ -11,57 +11,25 @@
 #include "granular/shape/shape_table.h"
 #include "granular/shape/sphere.h"
 #include "granular/world/contact_radius.h"
-#include "granular/world/stages.h"
 #include "granular/world/time_step.h"
-#include "granular/world/world.h"
+#include "world/heap.h"
 
 namespace granular {
 namespace {
 
-std::unique_ptr<World> makeEmptyWorld(const WorldOptions& options = {}) {
-  MaterialTable materials;
-  materials.add("rock", ContactParameters{});
-  return std::make_unique<World>(options, std::move(materials));
-}
+using testing::makeEmptyWorld;
+using testing::run;
+using testing::stateOf;
 
 /// A loose heap of cubes and spheres above a floor, between four walls.
 std::unique_ptr<World> makeHeap(const WorldOptions& options, int perSide) {
   auto world = makeEmptyWorld(options);
   const double pitch = 3.9e-3;
-  const double half = 0.5 * pitch * perSide;
-  world->walls.push_back(makePlaneWall(Vec3::Zero(), Vec3::UnitZ()));
-  for (const double sign : {-1.0, 1.0}) {
-    world->walls.push_back(makePlaneWall({sign * half, 0, 0}, {-sign, 0, 0}));
-    world->walls.push_back(makePlaneWall({0, sign * half, 0}, {0, -sign, 0}));
-  }
+  testing::addBoxOfPlanes(0.5 * pitch * perSide, *world);
   const std::int32_t cube = world->addShape(std::make_shared<Cuboid>(Vec3::Constant(1.2e-3)));
   const std::int32_t ball = world->addShape(std::make_shared<Sphere>(1.5e-3));
-  Random random(5);
-  for (int k = 0; k < perSide * perSide * perSide; ++k) {
-    NewBody body;
-    body.shapeIndex = k % 2 ? cube : ball;
-    body.pose.x = Vec3((k % perSide + 0.5) * pitch - half, (k / perSide % perSide + 0.5) * pitch - half,
-                       (k / perSide / perSide + 0.55) * pitch);
-    body.pose.q = random.rotation();
-    body.velocity = Vec3(0.3 * random.normal(), 0.3 * random.normal(), -0.3);
-    world->addBody(body);
-  }
+  testing::addLattice({ball, cube}, perSide, pitch, 0, *world);
   return world;
-}
-
-void run(World& world, double dt, int steps) {
-  startHalfSteps(world, dt, 0, true);
-  for (int n = 0; n < steps; ++n) step(world, dt);
-}
-
-/// All bits of positions and orientations.
-std::vector<double> stateOf(const World& world) {
-  std::vector<double> state;
-  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    for (int k = 0; k < 3; ++k) state.push_back(world.bodies.x[i][k]);
-    for (int k = 0; k < 4; ++k) state.push_back(world.bodies.q[i].coeffs()[k]);
-  }
-  return state;
 }
 
 TEST(Step, FreeFallFollowsTheParabola) {
