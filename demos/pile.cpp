@@ -68,9 +68,9 @@ int run(const Options& options) {
     std::printf("interrupted at t = %.4g s; go on with: pile --resume %s\n", pile.world().time, out.c_str());
     return exitInterrupted;
   }
-  const granular::PileResult result = granular::writePileReport(pile, end, omp_get_max_threads(), out);
-  std::printf("outcome: %s at t = %.4g s, %.4g s wall\n", std::string(granular::runEndName(end)).c_str(),
-              pile.world().time, pile.progress().wall);
+  granular::RunResult told;
+  const granular::PileResult result = granular::writePileReport(pile, end, omp_get_max_threads(), out, &told);
+  std::fputs(granular::formatSummary(told, pile).c_str(), stdout);
   std::fputs(granular::formatPile(result).c_str(), stdout);
   std::fflush(stdout);
   if (options.picture) {

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <string>
 
+#include "granular/io/result.h"
 #include "granular/run/packing_run.h"
 
 namespace granular {
@@ -63,13 +64,13 @@ struct PileResult {
   std::optional<double> porositySmooth;     ///< with the ellipsoids' sections ("MS ellipse")
   double coordinationParticles = 0;         ///< particles touched by a particle, mean
   double coordinationSpheres = 0;           ///< contacts of a particle's children with others', mean
-  std::vector<std::string> notes;           ///< troubles of the run
   double potentialContacts = 0;  ///< pairs of particles, or of children, near enough to be looked at, per particle
 };
 
 /// Measures the pile of a run, writes surface.csv, pile.json (for the picture) and the report of the packing with the
-/// pile's numbers on top of result.json. The folder exists.
-PileResult writePileReport(const PackingRun& run, RunEnd end, int threads, const std::filesystem::path& out);
+/// pile's numbers on top of result.json. The folder exists. told receives what result.json tells, when given.
+PileResult writePileReport(const PackingRun& run, RunEnd end, int threads, const std::filesystem::path& out,
+                           RunResult* told = nullptr);
 
 /// For people, in lines.
 std::string formatPile(const PileResult& result);

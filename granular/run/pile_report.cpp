@@ -129,7 +129,8 @@ void measurePlane(const Bed& bed, const std::vector<SurfacePoint>& surface, cons
 
 }  // namespace
 
-PileResult writePileReport(const PackingRun& run, RunEnd end, int threads, const std::filesystem::path& out) {
+PileResult writePileReport(const PackingRun& run, RunEnd end, int threads, const std::filesystem::path& out,
+                           RunResult* told) {
   const Bed bed = makeBed(run.world(), run.vessel());
   const bool plane = isPlane(run.scene());
   const double spacing = defaultSpacing(bed);
@@ -145,7 +146,6 @@ PileResult writePileReport(const PackingRun& run, RunEnd end, int threads, const
   result.potentialContacts = countPotentialContacts(run.world());
 
   RunResult report = writeReport(run, end, threads, out);
-  for (const Trouble& trouble : run.world().report.troubles) result.notes.push_back(describe(trouble));
   report.headline = {{"repose_angle_deg", result.angle},
                      {"repose_angle_error_deg", result.angleError},
                      {"pile_height_m", result.height},
@@ -160,6 +160,7 @@ PileResult writePileReport(const PackingRun& run, RunEnd end, int threads, const
   report.tables.emplace_back("surface.csv", table.definition);
   writePicture(result, bed, run.scene(), out);
   writeResult(out / "result.json", report);
+  if (told) *told = std::move(report);
   return result;
 }
 
@@ -175,7 +176,6 @@ std::string formatPile(const PileResult& r) {
                         show(r.porositySmooth, ""));
   text += fmt::format("coordination: {:.3f} particles, {:.3f} contacts; potential contacts per particle {:.1f}\n",
                       r.coordinationParticles, r.coordinationSpheres, r.potentialContacts);
-  for (const std::string& note : r.notes) text += "trouble: " + note + "\n";
   return text;
 }
 
