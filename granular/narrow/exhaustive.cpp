@@ -9,11 +9,6 @@
 namespace granular {
 namespace {
 
-const PolyhedronTables* tablesOf(const Shape& shape) {
-  const bool flat = shape.kind() == ShapeKind::polyhedron || shape.kind() == ShapeKind::cuboid;
-  return flat ? &static_cast<const Polyhedron&>(shape).tables() : nullptr;
-}
-
 /// Corners in world axes relative to A's centre, so that h(n) is a scan over both lists.
 struct Corners {
   std::vector<Vec3> points;

@@ -7,8 +7,6 @@
 namespace granular {
 namespace {
 
-const PolyhedronTables& tablesOf(const Shape& shape) { return static_cast<const Polyhedron&>(shape).tables(); }
-
 Piece makeCylinderPiece(const Cylinder& cylinder, const PieceName& name) {
   Piece out;
   out.name = name;
@@ -128,7 +126,7 @@ Piece makePiece(const Shape& shape, const PieceName& name) {
       return makeConePiece(static_cast<const Cone&>(shape), name);
     case ShapeKind::cuboid:
     case ShapeKind::polyhedron:
-      return makePolyhedronPiece(tablesOf(shape), name);
+      return makePolyhedronPiece(*tablesOf(shape), name);
     default:
       return {};
   }
@@ -143,7 +141,7 @@ PieceName joinPieces(const Shape& shape, const PieceName& present, std::int32_t 
     case ShapeKind::cuboid:
     case ShapeKind::polyhedron: {
       if (present.kind != PieceName::point) return {};
-      const auto& edges = tablesOf(shape).edges;
+      const auto& edges = tablesOf(shape)->edges;
       const std::int32_t low = std::min(present.index, vertex), high = std::max(present.index, vertex);
       for (std::size_t e = 0; e < edges.size(); ++e) {
         if (edges[e].a == low && edges[e].b == high) return {PieceName::edge, static_cast<std::int32_t>(e)};
@@ -162,7 +160,7 @@ PieceName endOf(const Shape& shape, const PieceName& line, bool second) {
     case PieceName::slope:
       return second ? PieceName{PieceName::rim, 1} : PieceName{PieceName::point, 0};
     case PieceName::edge: {
-      const PolyhedronTables::Edge& edge = tablesOf(shape).edges[static_cast<std::size_t>(line.index)];
+      const PolyhedronTables::Edge& edge = tablesOf(shape)->edges[static_cast<std::size_t>(line.index)];
       return {PieceName::point, second ? edge.b : edge.a};
     }
     default:
@@ -174,14 +172,14 @@ PieceName rimOf(const Shape& shape, const PieceName& face, std::int32_t k) {
   if (face.kind != PieceName::face) return {};
   if (shape.kind() == ShapeKind::cylinder || shape.kind() == ShapeKind::cone)
     return k == 0 ? PieceName{PieceName::rim, face.index} : PieceName{};
-  const auto corners = tablesOf(shape).cornersOf(face.index);
+  const auto corners = tablesOf(shape)->cornersOf(face.index);
   if (static_cast<std::size_t>(k) >= corners.size()) return {};
   return {PieceName::edge, corners[static_cast<std::size_t>(k)].edge};
 }
 
 std::int32_t vertexOf(const Shape& shape, const PieceName& name) {
   if (shape.kind() != ShapeKind::cuboid && shape.kind() != ShapeKind::polyhedron) return -1;
-  const PolyhedronTables& t = tablesOf(shape);
+  const PolyhedronTables& t = *tablesOf(shape);
   const auto index = static_cast<std::size_t>(name.index);
   if (name.kind == PieceName::edge) return t.edges[index].a;
   if (name.kind == PieceName::face) return t.cornersOf(name.index).front().vertex;
@@ -207,7 +205,7 @@ PieceName namePiece(const Shape& shape, const Vec3& n, double nearness) {
     }
     case ShapeKind::cuboid:
     case ShapeKind::polyhedron:
-      return namePolyhedronPiece(tablesOf(shape), n, nearness);
+      return namePolyhedronPiece(*tablesOf(shape), n, nearness);
     default:
       return {};
   }

@@ -16,11 +16,11 @@ SurfaceSide::SurfaceSide(const ContactPlane& plane, const Shape& shape, const Fr
       v(frame.unrotate(plane.v)),
       normal(frame.unrotate(plane.n)),
       sign(side) {
-  if (shape.kind() == ShapeKind::cuboid || shape.kind() == ShapeKind::polyhedron) {
-    const auto& polyhedron = static_cast<const Polyhedron&>(shape);
-    tables = &polyhedron.tables();
-    deepest = plane.feature.kind == TouchingFeature::unknown ? polyhedron.supportVertex(sign * normal)
-                                                             : vertexOf(plane.feature);
+  tables = tablesOf(shape);
+  if (tables) {
+    deepest = plane.feature.kind == TouchingFeature::unknown
+                  ? static_cast<const Polyhedron&>(shape).supportVertex(sign * normal)
+                  : vertexOf(plane.feature);
   } else {
     showFeature(shape);
   }

@@ -17,6 +17,8 @@ namespace granular {
 /// Topology and geometry of a convex polyhedron. Coplanar hull triangles are merged into one polygonal face. All tables
 /// lie in one block of memory, which copies share: kernels can fetch it ahead as a whole.
 struct PolyhedronTables {
+  PolyhedronTables() = default;
+
   /// A face's plane: outward unit normal, offset (normal . x = offset on the face).
   struct Face {
     Vec3 normal;
@@ -81,9 +83,6 @@ struct PolyhedronTables {
   std::span<const Corner> corners;
   std::shared_ptr<const double[]> block;
   std::size_t blockSize = 0;  // in doubles
-
- public:
-  PolyhedronTables() = default;
 };
 
 /// Tables of a closed convex polyhedron from its faces, corners counter-clockwise seen from outside. Normals are
@@ -128,6 +127,12 @@ class Polyhedron : public Shape {
   PolyhedronTables topology;
   std::array<std::int32_t, 8> octantVertex{};
 };
+
+/// The tables of a polyhedron or cuboid; null for other shapes.
+inline const PolyhedronTables* tablesOf(const Shape& shape) {
+  const bool flat = shape.kind() == ShapeKind::polyhedron || shape.kind() == ShapeKind::cuboid;
+  return flat ? &static_cast<const Polyhedron&>(shape).tables() : nullptr;
+}
 
 /// A cuboid: the polyhedron whose support needs no search. Corner k has sign bits (k & 1, k & 2, k & 4) for x, y, z,
 /// 0 being the negative side.

@@ -219,17 +219,16 @@ double besideFacets(const MeshQuery& query, const Ridge& ridge, const Vec3& n, s
 double findDepth(const MeshQuery& query, const Vec3& point, Vec3& outward) {
   const Vec3 local = query.frame.toBody(point);
   const Shape& shape = query.shape;
-  if (shape.kind() == ShapeKind::cuboid || shape.kind() == ShapeKind::polyhedron) {
-    const PolyhedronTables& tables = static_cast<const Polyhedron&>(shape).tables();
+  if (const PolyhedronTables* tables = tablesOf(shape)) {
     double least = infinity;
     std::size_t face = 0;
-    for (std::size_t k = 0; k < tables.faces.size() && least > 0; ++k) {
-      const double depth = tables.faces[k].offset - tables.faces[k].normal.dot(local);
+    for (std::size_t k = 0; k < tables->faces.size() && least > 0; ++k) {
+      const double depth = tables->faces[k].offset - tables->faces[k].normal.dot(local);
       if (depth >= least) continue;
       least = depth;
       face = k;
     }
-    outward = query.frame.rotate(tables.faces[face].normal);
+    outward = query.frame.rotate(tables->faces[face].normal);
     return least;
   }
   if (shape.kind() == ShapeKind::sphere) {

@@ -204,10 +204,6 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   chunk.noteDepth(touch.overlap, std::min(bodies.shape[a]->size(), bodies.shape[b]->size()));
 }
 
-bool isPolyhedron(const Shape& shape) {
-  return shape.kind() == ShapeKind::cuboid || shape.kind() == ShapeKind::polyhedron;
-}
-
 /// Starts to bring into the cache what a look at a pair reads, in two steps: where it lies, and what lies there. Pairs
 /// that will not be looked at bring nothing.
 void fetchWhere(const World& world, const Pair& pair) {
@@ -225,8 +221,7 @@ void fetchWhat(const World& world, const Pair& pair) {
   __builtin_prefetch(&world.pairs.memory.cache[at(pair.slot)]);
   for (const std::size_t i : {a, b}) {
     __builtin_prefetch(&bodies.frame[i]);
-    const Shape& shape = *bodies.shape[i];
-    if (isPolyhedron(shape)) static_cast<const Polyhedron&>(shape).tables().fetchAhead();
+    if (const PolyhedronTables* tables = tablesOf(*bodies.shape[i])) tables->fetchAhead();
   }
 }
 

@@ -77,6 +77,7 @@ Encounter meet(const World& world, const Contact& contact, double dt) {
   ContactMotion& motion = met.motion;
   motion.normal = contact.touch.normal;
   motion.overlap = contact.patch.depth;
+  motion.squaredDepth = contact.patch.squaredDepth;
   motion.velocity = bodies.v[a] + bodies.w[a].cross(met.a.arm) - velocityB;
   motion.slip = (bodies.vHalf[a] + bodies.spinHalf[a].cross(met.a.arm) - slipVelocityB) * dt;
   motion.spin = bodies.w[a] - spinB;
@@ -91,10 +92,7 @@ Encounter meet(const World& world, const Contact& contact, double dt) {
   motion.vv = contact.patch.vv;
   motion.uv = contact.patch.uv;
   motion.rocking = rockingDamping(world.options.rule);
-  if (lawReadsCurvature(world.options.law)) {
-    motion.radius = contactRadius(world, contact);
-    motion.squaredDepth = contact.patch.squaredDepth;
-  }
+  if (lawReadsCurvature(world.options.law)) motion.radius = contactRadius(world, contact);
   return met;
 }
 
@@ -138,7 +136,6 @@ void applyLaw(double dt, World::Chunk& chunk, World& world) {
     contact.torqueA = met.a.arm.cross(contact.force.force) + contact.force.couple;
     contact.torqueB = -met.b.arm.cross(contact.force.force) - contact.force.couple;
     if constexpr (keepsLedger) {
-      met.motion.squaredDepth = contact.patch.squaredDepth;
       chunk.accounts[k] = accountContact(options.law, constants, options.lawOptions, met.a, met.b, met.motion, before,
                                          history, contact.force);
     }
