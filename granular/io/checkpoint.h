@@ -13,7 +13,7 @@
 namespace granular {
 
 /// Version of the file format; a file of another version is refused.
-inline constexpr int checkpointVersion = 8;
+inline constexpr int checkpointVersion = 9;
 
 /// Writes folder/checkpoint.h5; what had that name becomes folder/checkpoint_previous.h5. Throws InputError if the
 /// folder can't be written, std::runtime_error if HDF5 fails.

@@ -178,10 +178,11 @@ struct InsertionSettings {
 struct SettleSettings {
   enum class Kind { none, freeze, sleep };
   Kind kind = Kind::none;
-  double energy = 1e-4;  ///< sleep: slow is a kinetic energy below this times m g d
-  double balance = 0.1;  ///< sleep: taken out when the net force is below this times the load
-  double time = 1e-2;    ///< sleep: for so long, s
-  double wake = 0.3;     ///< sleep: woken when the net force differs from that at sleep by this times the load
+  double energy = 1e-4;           ///< sleep: slow is an energy of the mean motion below this times m g d
+  double balance = 0.1;           ///< sleep: taken out when the net force is below this times the load
+  std::optional<double> time;     ///< sleep: for so long, s; auto: 50 shortest contact times
+  double wake = 1;                ///< sleep: woken when the net force differs from that at sleep by this times the load
+  std::optional<double> average;  ///< sleep: in the mean of so long, s; auto: 25 shortest contact times
 };
 
 /// When the run is over.

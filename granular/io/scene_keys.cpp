@@ -281,14 +281,19 @@ void visitInsertion(KeyVisitor& v, InsertionSettings& s) {
 void visitSettle(KeyVisitor& v, SettleSettings& s) {
   v.readKind({"kind", "none; freeze each batch once consolidated (S); sleep one by one, waking when disturbed"}, s.kind,
              settleKinds);
-  v.readNumber({"energy", "slow is a kinetic energy below this times m g d", "sleep"}, s.energy, D::none, positive);
+  v.readNumber({"energy", "slow is an energy of the mean motion below this times m g d", "sleep"}, s.energy, D::none,
+               positive);
   v.readNumber(
       {"balance", "and a net force below this times the load, which is m g plus half the sum of the contact forces",
        "sleep"},
       s.balance, D::none, positive);
-  v.readNumber({"time", "for so long", "sleep"}, s.time, D::time, notNegative);
+  v.readOptional({"time", "for so long; the motion is averaged over as long; auto: 50 shortest contact times", "sleep"},
+                 s.time, D::time, notNegative);
   v.readNumber({"wake", "woken when the net force differs from that at sleep by this times the load at sleep", "sleep"},
                s.wake, D::none, positive);
+  v.readOptional(
+      {"average", "in the mean of so long; auto: 25 shortest contact times, in which an impact's waves pass", "sleep"},
+      s.average, D::time, notNegative);
 }
 
 void visitRest(KeyVisitor& v, RestSettings& s) {

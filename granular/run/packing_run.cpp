@@ -203,6 +203,9 @@ void PackingRun::chooseTimeStep() {
   } else {
     dt = settings.time.fraction * stepBound.bound;
   }
+  // Waves of an impact pass within some ten contact times.
+  state->options.sleep.time = settings.settle.time.value_or(50 * stepBound.contactTime);
+  state->options.sleep.average = settings.settle.average.value_or(25 * stepBound.contactTime);
 }
 
 void PackingRun::addParticle(const NewParticle& particle) {

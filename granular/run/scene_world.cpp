@@ -70,7 +70,6 @@ WorldOptions makeOptions(const Scene& scene) {
               "contacts per pair: choose none or freeze, or another rule");
   options.sleep.energy = scene.settle.energy;
   options.sleep.balance = scene.settle.balance;
-  options.sleep.time = scene.settle.time;
   options.sleep.wake = scene.settle.wake;
   options.expectedOverlap = scene.time.overlap;
   options.deepOverlap = scene.limits.maxOverlap;

@@ -11,38 +11,57 @@ void SleepState::remove(const std::vector<bool>& gone) {
     column.resize(kept);
   };
   compact(calm);
+  compact(velocity);
+  compact(spin);
   compact(force);
   compact(torque);
+  compact(forceChange);
+  compact(torqueChange);
   compact(load);
 }
 
-void updateSleep(const SleepOptions& options, double gravity, double dt, const std::vector<std::int32_t>& slots,
-                 const std::vector<double>& load, Bodies& bodies, SleepState& state) {
-  const std::size_t n = bodies.size();
-  state.calm.resize(n, 0);
-  state.force.resize(n, Vec3::Zero());
-  state.torque.resize(n, Vec3::Zero());
-  state.load.resize(n, 0);
+void SleepState::resize(std::size_t bodies) {
+  calm.resize(bodies, 0);
+  load.resize(bodies, 0);
+  for (auto* column : {&velocity, &spin, &force, &torque, &forceChange, &torqueChange}) {
+    column->resize(bodies, Vec3::Zero());
+  }
+}
+
+void SleepState::startAwake(std::size_t i) {
+  calm[i] = 0;
+  velocity[i].setZero();
+  spin[i].setZero();
+}
+
+void updateSleep(const SleepOptions& options, double gravity, double dt, bool mayFall,
+                 const std::vector<std::int32_t>& slots, const std::vector<double>& load, Bodies& bodies,
+                 SleepState& state) {
+  state.resize(bodies.size());
+  const double newForce = dt >= options.average ? 1 : dt / options.average;
+  const double newMotion = dt >= options.time ? 1 : dt / options.time;
   for (const std::int32_t slot : slots) {
     const auto i = static_cast<std::size_t>(slot);
-    const double weight = bodies.mass[i] * gravity;
     const double size = bodies.shape[i]->size();
     if (bodies.state[i] == BodyState::asleep) {
+      state.forceChange[i] += newForce * (bodies.force[i] - state.force[i] - state.forceChange[i]);
+      state.torqueChange[i] += newForce * (bodies.torque[i] - state.torque[i] - state.torqueChange[i]);
       const double bound = options.wake * state.load[i];
-      if ((bodies.force[i] - state.force[i]).squaredNorm() <= bound * bound &&
-          (bodies.torque[i] - state.torque[i]).squaredNorm() <= bound * bound * size * size) {
-        continue;
+      if (state.forceChange[i].squaredNorm() > bound * bound ||
+          state.torqueChange[i].squaredNorm() > bound * bound * size * size) {
+        bodies.release(i);
+        state.startAwake(i);
+        ++state.woken;
       }
-      bodies.release(i);
-      state.calm[i] = 0;
-      ++state.woken;
       continue;
     }
-    const Vec3 spin = bodies.frame[i].unrotate(bodies.w[i]);
+    state.velocity[i] += newMotion * (bodies.v[i] - state.velocity[i]);
+    state.spin[i] += newMotion * (bodies.w[i] - state.spin[i]);
+    const Vec3 spin = bodies.frame[i].unrotate(state.spin[i]);
     const double energy =
-        0.5 * (bodies.mass[i] * bodies.v[i].squaredNorm() + spin.dot(bodies.inertia[i].cwiseProduct(spin)));
-    state.calm[i] = energy <= options.energy * weight * 2 * size ? state.calm[i] + dt : 0;
-    if (state.calm[i] < options.time) continue;
+        0.5 * (bodies.mass[i] * state.velocity[i].squaredNorm() + spin.dot(bodies.inertia[i].cwiseProduct(spin)));
+    state.calm[i] = energy <= options.energy * bodies.mass[i] * gravity * 2 * size ? state.calm[i] + dt : 0;
+    if (!mayFall || state.calm[i] < options.time) continue;
     const double balance = options.balance * load[i];
     if (bodies.force[i].squaredNorm() > balance * balance ||
         bodies.torque[i].squaredNorm() > balance * balance * size * size) {
@@ -50,8 +69,12 @@ void updateSleep(const SleepOptions& options, double gravity, double dt, const s
     }
     state.force[i] = bodies.force[i];
     state.torque[i] = bodies.torque[i];
+    state.forceChange[i].setZero();
+    state.torqueChange[i].setZero();
     state.load[i] = load[i];
-    state.energyLetGo += energy;
+    const Vec3 last = bodies.frame[i].unrotate(bodies.w[i]);
+    state.energyLetGo +=
+        0.5 * (bodies.mass[i] * bodies.v[i].squaredNorm() + last.dot(bodies.inertia[i].cwiseProduct(last)));
     ++state.fallen;
     bodies.hold(i, BodyState::asleep);
   }

@@ -51,6 +51,10 @@ double furthestFrom(const WallMotion& turning, const Bodies& bodies) {
   return furthest;
 }
 
+/// Steps from one look for who may fall asleep to the next: each time somebody does the contacts are laid out anew, and
+/// together they need it once.
+constexpr std::int64_t fallEvery = 16;
+
 /// Nothing sleeps at a wall that is on its way: its contacts are looked at with bodies that move alone.
 void wakeNearMovingWalls(World& world) {
   if (!world.options.sleep.on) return;
@@ -58,7 +62,7 @@ void wakeNearMovingWalls(World& world) {
     const Wall& wall = *world.walls[static_cast<std::size_t>(pair.wall)];
     if (wall.stepMotion.velocity.isZero(0) && wall.stepMotion.spin.isZero(0)) continue;
     const auto i = static_cast<std::size_t>(pair.body);
-    if (i < world.sleep.calm.size()) world.sleep.calm[i] = 0;
+    if (i < world.sleep.calm.size()) world.sleep.startAwake(i);
     if (world.bodies.state[i] != BodyState::asleep) continue;
     world.bodies.release(i);
     ++world.sleep.woken;
@@ -139,7 +143,9 @@ void letSleep(double dt, World& world) {
   if (!world.options.sleep.on) return;
   Bodies& bodies = world.bodies;
   const std::uint64_t before = world.sleep.fallen + world.sleep.woken;
-  updateSleep(world.options.sleep, world.options.gravity.norm(), dt, world.gathered, world.load, bodies, world.sleep);
+  const bool mayFall = world.steps % fallEvery == 0;
+  updateSleep(world.options.sleep, world.options.gravity.norm(), dt, mayFall, world.gathered, world.load, bodies,
+              world.sleep);
   if (world.sleep.fallen + world.sleep.woken == before) return;
   world.layoutStale = true;
   // A contact between bodies that both rest keeps its force until one of them wakes.

@@ -63,7 +63,7 @@ void wakeNeighbours(const std::vector<bool>& gone, World& world) {
   for (const std::size_t i : woken) {
     if (world.bodies.state[i] != BodyState::asleep) continue;
     world.bodies.release(i);
-    world.sleep.calm[i] = 0;
+    world.sleep.startAwake(i);
     ++world.sleep.woken;
   }
 }
