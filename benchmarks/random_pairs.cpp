@@ -75,7 +75,8 @@ nlohmann::json describe(const Settings& settings, const Sums& sums, double secon
     json["rule_wrong"][std::string(pointRuleName(static_cast<PointRule>(rule)))] = sums.ruleWrong[rule];
   json["certificate"] = {{"cold", sums.counts.cold},           {"searches", sums.counts.searches},
                          {"warm", sums.counts.warm},           {"uncertified", sums.counts.uncertified},
-                         {"fallbacks", sums.counts.fallbacks}, {"missed", sums.counts.missed}};
+                         {"fallbacks", sums.counts.fallbacks}, {"missed", sums.counts.missed},
+                         {"coarse", sums.counts.coarse}};
   json["processor_s"] = seconds;
   json["pairs_per_s"] = static_cast<double>(settings.pairs) / seconds;
   return json;

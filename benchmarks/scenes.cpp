@@ -86,7 +86,8 @@ void report(const Settings& settings, const World& world, double seconds) {
   }
   json["certificate"] = {{"cold", r.narrow.cold},           {"searches", r.narrow.searches},
                          {"warm", r.narrow.warm},           {"uncertified", r.narrow.uncertified},
-                         {"fallbacks", r.narrow.fallbacks}, {"normal_flips", r.narrow.normalFlips}};
+                         {"fallbacks", r.narrow.fallbacks}, {"normal_flips", r.narrow.normalFlips},
+                         {"coarse", r.narrow.coarse}};
   json["max_overlap_over_size"] = r.deepestOverlap;
   json["kinetic_energy_j"] = kineticEnergy(world.bodies);
   std::printf("%s\n", json.dump(2).c_str());

@@ -46,6 +46,7 @@ std::string formatResult(const RunResult& r) {
   json["kinetic_energy_j"] = number(r.kineticEnergy);
   json["contacts"] = {{"now", r.contactsNow},
                       {"uncertified", r.contacts.uncertified},
+                      {"coarse", r.contacts.coarse},
                       {"fallbacks", r.contacts.fallbacks},
                       {"normal_flips", r.contacts.normalFlips},
                       {"missed", r.contacts.missed},

@@ -226,12 +226,12 @@ SearchResult searchConvex(Difference& c, const Vec3& guess, const PenetrationAns
     out.minimum = settleFromEverywhere(c, out.minimum);
     replaced = replaced || out.minimum.depth < before - tolerance;
     lower = boundByCores(c, out.minimum, tolerance, lower);
-    certified = out.minimum.depth - lower <= tolerance || meetsWhereMinimaAreMany(out.minimum.depth, lower, c.size());
+    certified = out.minimum.depth - lower <= tolerance;
   }
   out.apart = !(out.minimum.depth > 0);
   if (out.apart) return out;
 
-  if (!certified) ++counts.uncertified;
+  if (!certified) ++(meetsWhereMinimaAreMany(out.minimum.depth, lower, c.size()) ? counts.coarse : counts.uncertified);
   if (proposal && !proposal->penetrating) ++counts.missed;
   if (proposal && proposal->penetrating && (!proposalStands || replaced)) ++counts.fallbacks;
   return out;

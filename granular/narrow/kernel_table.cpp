@@ -59,6 +59,7 @@ NarrowCounts& NarrowCounts::operator+=(const NarrowCounts& other) {
   searches += other.searches;
   warm += other.warm;
   uncertified += other.uncertified;
+  coarse += other.coarse;
   fallbacks += other.fallbacks;
   missed += other.missed;
   normalFlips += other.normalFlips;

@@ -16,6 +16,7 @@ struct NarrowCounts {
   std::uint64_t searches = 0;     ///< full searches of any cause
   std::uint64_t warm = 0;         ///< answers verified from the cache
   std::uint64_t uncertified = 0;  ///< answers used although upper and lower bound differ
+  std::uint64_t coarse = 0;       ///< answers of a search whose bounds met within the second tier alone (tolerances.h)
   std::uint64_t fallbacks = 0;    ///< answers of Bullet's that failed their certificate; the second route answered
   std::uint64_t missed = 0;       ///< pairs Bullet called separate that overlap
   std::uint64_t normalFlips = 0;  ///< normals that turned by more than 30 degrees from one step to the next

@@ -166,8 +166,8 @@ std::string formatSummary(const RunResult& result, const PackingRun& run) {
   const NarrowCounts& c = result.contacts;
   text += fmt::format(
       "contact certificate: {} answers verified warm, {} full searches, {} cold, {} fallbacks, {} missed by "
-      "Bullet, {} normal flips, {} uncertified\n",
-      c.warm, c.searches, c.cold, c.fallbacks, c.missed, c.normalFlips, c.uncertified);
+      "Bullet, {} normal flips, {} certified coarsely, {} uncertified\n",
+      c.warm, c.searches, c.cold, c.fallbacks, c.missed, c.normalFlips, c.coarse, c.uncertified);
   text += fmt::format("energy: kinetic {:.3g} J; ", result.kineticEnergy);
   const EnergyLedger& ledger = run.world().ledger;
   text += !ledger.begun

@@ -300,6 +300,7 @@ void visitReport(Archive& archive, Report& report) {
     archive.visit("searches", narrow.searches);
     archive.visit("warm", narrow.warm);
     archive.visit("uncertified", narrow.uncertified);
+    archive.visit("coarse", narrow.coarse);
     archive.visit("fallbacks", narrow.fallbacks);
     archive.visit("missed", narrow.missed);
     archive.visit("normal_flips", narrow.normalFlips);

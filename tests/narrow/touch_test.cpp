@@ -283,5 +283,21 @@ TEST(Certificate, AnOverlapCalledSeparateIsCountedAndFoundAllTheSame) {
   EXPECT_NEAR(found.minimum.depth, searchExhaustively(cube, below, cube, above).depth, 1e-15);
 }
 
+TEST(Certificate, ConesOnACommonAxisAreCertifiedCoarselyAndCounted) {
+  // Tip in tip: all directions of the circle of the side's normals are equally shallow.
+  const double overlap = 5e-5;
+  const Cone cone(1e-3, 2e-3);
+  const Vec3 tip = cone.support(Vec3::UnitZ());
+  const Frame upright, upsideDown(Pose{(2 * tip.z() - overlap) * Vec3::UnitZ(), Quat(0, 1, 0, 0)});
+  const double exact = overlap / std::sqrt(5.0);  // the sine of half the opening angle
+  Touch touch;
+  WarmCache cache;
+  NarrowCounts counts;
+  ASSERT_TRUE(findTouch(cone, upright, cone, upsideDown, true, cache, counts, touch));
+  EXPECT_NEAR(touch.overlap, exact, tolerance::coaxialCertificate * exact);
+  EXPECT_EQ(counts.coarse, 1u);
+  EXPECT_EQ(counts.uncertified, 0u);
+}
+
 }  // namespace
 }  // namespace granular
