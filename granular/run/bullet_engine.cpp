@@ -1,18 +1,16 @@
-// Bullet alone as an engine of the comparison: btDiscreteDynamicsWorld as it comes, with its persistent manifolds,
-// sequential impulses and integrator, nothing put to sleep.
+// Bullet alone as an engine of the comparison.
 //
 // Bullet's tolerances are absolute lengths and speeds, meant for things of a metre. Here each is that share of the
 // scene's unit: margins .04 a (polyhedra are shrunk by theirs, so that the outside is the shape), split impulses from a
 // depth of .04 a, no restitution below .2 m/s at 1 m, in proportion to sqrt(a) elsewhere, and never below the speed
 // that a step of free fall gives. The contact breaking threshold is relative by default. What can't be set stays:
 // tolerances inside its GJK and box kernels.
-#include <btBulletDynamicsCommon.h>
-
 #include <algorithm>
 #include <cmath>
 #include <ctime>
 
 #include "granular/core/errors.h"
+#include "granular/run/bullet_world.h"
 #include "granular/run/comparison_engine.h"
 #include "granular/shape/bullet_vectors.h"
 #include "granular/shape/polyhedron.h"
@@ -54,17 +52,13 @@ std::unique_ptr<btCollisionShape> makeShape(const Shape& shape, double scale, do
   return hull;
 }
 
-/// Bullet's world with the scene in it. Lengths times `scale`; masses and times as they are.
+/// The scene in Bullet's world: planes first, then its bodies.
 class BulletScene {
  public:
   BulletScene(const SceneSetup& chosen, const EngineSettings& settings)
-      : setup(chosen),
-        scale(settings.scaled ? 1 / chosen.unit : 1),
-        world(&dispatcher, &broadPhase, &solver, &configuration) {
+      : setup(chosen), scale(settings.scaled ? 1 / chosen.unit : 1), world(scale, chosen.gravity, settings.iterations) {
     const double unit = scale * setup.unit;
-    world.setGravity({0, 0, -setup.gravity * scale});
-    btContactSolverInfo& info = world.getSolverInfo();
-    info.m_numIterations = settings.iterations;
+    btContactSolverInfo& info = world.solverInfo();
     info.m_splitImpulsePenetrationThreshold *= unit;
     // 1.22 g dt is what .2 m/s is at steps of 1/60 s: below that a body at rest would bounce.
     info.m_restitutionVelocityThreshold =
@@ -75,7 +69,7 @@ class BulletScene {
       shape->setMargin(margin * unit);
       addBody(0, btVector3(0, 0, 0), std::move(shape), SceneBody{});
     }
-    planes = bodies.size();
+    planes = world.size();
     for (std::size_t k = 0; k < setup.bodies.size(); ++k) {
       const SceneBody& each = setup.bodies[k];
       const double mass = each.fixed ? 0 : setup.mass(k);
@@ -85,33 +79,19 @@ class BulletScene {
               each);
     }
   }
-  ~BulletScene() {
-    for (const auto& body : bodies) world.removeRigidBody(body.get());
-  }
-  BulletScene(const BulletScene&) = delete;
-  BulletScene& operator=(const BulletScene&) = delete;
 
-  void step(double dt) { world.stepSimulation(dt, 0); }
-
-  std::uint64_t countContacts() {
-    std::uint64_t count = 0;
-    for (int k = 0; k < dispatcher.getNumManifolds(); ++k) {
-      count += static_cast<std::uint64_t>(dispatcher.getManifoldByIndexInternal(k)->getNumContacts());
-    }
-    return count;
-  }
+  void step(double dt) { world.step(dt); }
+  std::uint64_t countContacts() const { return world.countContacts(); }
 
   /// Adds a snapshot; false, and none added, if it is not finite.
   bool record(double time, Recording& recording) const {
     Snapshot now;
     now.time = time;
-    for (std::size_t k = planes; k < bodies.size(); ++k) {
-      const btTransform& at = bodies[k]->getWorldTransform();
-      const btQuaternion q = at.getRotation();
+    for (std::size_t k = planes; k < world.size(); ++k) {
       BodyMotion motion;
-      motion.pose = {fromBullet(at.getOrigin()) / scale, Quat(q.w(), q.x(), q.y(), q.z())};
-      motion.velocity = fromBullet(bodies[k]->getLinearVelocity()) / scale;
-      motion.spin = fromBullet(bodies[k]->getAngularVelocity());
+      motion.pose = world.pose(k);
+      motion.velocity = world.velocity(k);
+      motion.spin = world.spin(k);
       if (!motion.pose.x.allFinite() || !motion.pose.q.coeffs().allFinite() || !motion.spin.allFinite()) return false;
       now.bodies.push_back(motion);
     }
@@ -123,30 +103,13 @@ class BulletScene {
   static constexpr double margin = 0.04;  ///< Bullet's own at 1 m, over a
 
   void addBody(double mass, const btVector3& inertia, std::unique_ptr<btCollisionShape> shape, const SceneBody& each) {
-    btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape.get(), inertia);
-    info.m_startWorldTransform.setOrigin(toBullet(scale * each.pose.x));
-    info.m_startWorldTransform.setRotation({each.pose.q.x(), each.pose.q.y(), each.pose.q.z(), each.pose.q.w()});
-    // Bullet multiplies the two bodies' values.
-    info.m_friction = std::sqrt(setup.friction);
-    info.m_restitution = std::sqrt(setup.restitution);
-    auto body = std::make_unique<btRigidBody>(info);
-    body->setActivationState(DISABLE_DEACTIVATION);
-    body->setLinearVelocity(toBullet(scale * each.velocity));
-    body->setAngularVelocity(toBullet(each.spin));
-    world.addRigidBody(body.get());
-    shapes.push_back(std::move(shape));
-    bodies.push_back(std::move(body));
+    world.addBody({mass, each.pose, each.velocity, each.spin, setup.friction, setup.restitution}, inertia,
+                  std::move(shape));
   }
 
   const SceneSetup& setup;
   const double scale;
-  btDefaultCollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher{&configuration};
-  btDbvtBroadphase broadPhase;
-  btSequentialImpulseConstraintSolver solver;
-  btDiscreteDynamicsWorld world;
-  std::vector<std::unique_ptr<btCollisionShape>> shapes;
-  std::vector<std::unique_ptr<btRigidBody>> bodies;  ///< planes first
+  BulletWorld world;
   std::size_t planes = 0;
 };
 

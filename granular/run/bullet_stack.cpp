@@ -1,72 +1,51 @@
-// The tower in Bullet alone, as a baseline: btDiscreteDynamicsWorld with its persistent manifolds, sequential impulses
-// and integrator. Bullet's tolerances are absolute lengths, so it sees cuboids of 3 units, the size it is made for.
-#include <btBulletDynamicsCommon.h>
-
+// The tower in Bullet alone, as a baseline. Bullet's tolerances are absolute lengths, so it sees cuboids of 3 units,
+// the size it is made for.
 #include <chrono>
 #include <cmath>
 
 #include "granular/core/errors.h"
+#include "granular/run/bullet_world.h"
 #include "granular/run/stack_watch.h"
 #include "granular/shape/bullet_vectors.h"
 
 namespace granular {
 namespace {
 
-/// Bullet's world with the tower in it. Lengths times `scale`; masses and times as they are.
+/// The tower in Bullet's world: the floor is body 0, cuboid k body k + 1.
 class BulletTower {
  public:
   BulletTower(const StackSettings& chosen, const std::vector<Pose>& poses)
-      : settings(chosen), scale(3 / chosen.side), world(&dispatcher, &broadPhase, &solver, &configuration) {
-    world.setGravity({0, 0, -settings.gravity * scale});
-    world.getSolverInfo().m_numIterations = settings.solverIterations;
+      : settings(chosen), scale(3 / chosen.side), world(scale, chosen.gravity, chosen.solverIterations) {
     addBody(0, std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0), {Vec3::Zero(), Quat::Identity()});
     for (int k = 0; k < settings.count; ++k) {
       const Pose& pose = poses[static_cast<std::size_t>(k)];
       addBody(massOf(settings, k), std::make_unique<btBoxShape>(toBullet(scale * halfLengths(settings, k))), pose);
     }
   }
-  ~BulletTower() {
-    for (const auto& body : bodies) world.removeRigidBody(body.get());
-  }
-  BulletTower(const BulletTower&) = delete;
-  BulletTower& operator=(const BulletTower&) = delete;
 
   void step(double dt) {
-    world.stepSimulation(dt, 0);
-    for (int k = 0; k < dispatcher.getNumManifolds(); ++k) {
-      contacts += static_cast<std::uint64_t>(dispatcher.getManifoldByIndexInternal(k)->getNumContacts());
-    }
+    world.step(dt);
+    contacts += world.countContacts();
   }
   std::vector<Pose> poses() const {
     std::vector<Pose> out;
-    for (std::size_t k = 1; k < bodies.size(); ++k) {
-      const btTransform& at = bodies[k]->getWorldTransform();
-      const btQuaternion q = at.getRotation();
-      out.push_back({fromBullet(at.getOrigin()) / scale, Quat(q.w(), q.x(), q.y(), q.z())});
-    }
+    for (std::size_t k = 1; k < world.size(); ++k) out.push_back(world.pose(k));
     return out;
   }
   double kineticEnergy() const {
     double sum = 0;
-    for (std::size_t k = 1; k < bodies.size(); ++k) {
-      const Vec3 v = fromBullet(bodies[k]->getLinearVelocity()) / scale,
-                 w = fromBullet(bodies[k]->getAngularVelocity());
-      const btMatrix3x3& inverse = bodies[k]->getInvInertiaTensorWorld();
-      const Vec3 spin = fromBullet(inverse.inverse() * bodies[k]->getAngularVelocity()) / (scale * scale);
-      sum += 0.5 * (massOf(settings, static_cast<int>(k) - 1) * v.squaredNorm() + w.dot(spin));
-    }
+    for (std::size_t k = 1; k < world.size(); ++k) sum += world.kineticEnergy(k);
     return sum;
   }
   double meanSpeed() const {
     double sum = 0;
-    for (std::size_t k = 1; k < bodies.size(); ++k) sum += fromBullet(bodies[k]->getLinearVelocity()).norm() / scale;
+    for (std::size_t k = 1; k < world.size(); ++k) sum += world.velocity(k).norm();
     return sum / settings.count;
   }
   /// Mean upward force of a step on each cuboid from what is below it, N.
-  std::vector<double> layerForces(double dt) {
+  std::vector<double> layerForces(double dt) const {
     std::vector<double> force(static_cast<std::size_t>(settings.count), 0.0);
-    for (int k = 0; k < dispatcher.getNumManifolds(); ++k) {
-      const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(k);
+    world.visitManifolds([&](const btPersistentManifold& manifold) {
       const int a = manifold.getBody0()->getUserIndex(), b = manifold.getBody1()->getUserIndex();
       for (int c = 0; c < manifold.getNumContacts(); ++c) {
         const btManifoldPoint& point = manifold.getContactPoint(c);
@@ -75,7 +54,7 @@ class BulletTower {
         const int upper = std::max(a, b);
         if (upper > 0) force[static_cast<std::size_t>(upper - 1)] += a > b ? onA : -onA;
       }
-    }
+    });
     return force;
   }
   std::uint64_t contactSteps() const { return contacts; }
@@ -84,29 +63,17 @@ class BulletTower {
   void addBody(double mass, std::unique_ptr<btCollisionShape> shape, const Pose& pose) {
     btVector3 inertia(0, 0, 0);
     if (mass > 0) shape->calculateLocalInertia(mass, inertia);
-    btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape.get(), inertia);
-    info.m_startWorldTransform.setOrigin(toBullet(scale * pose.x));
-    info.m_startWorldTransform.setRotation({pose.q.x(), pose.q.y(), pose.q.z(), pose.q.w()});
-    // Bullet multiplies the two bodies' values.
-    info.m_friction = std::sqrt(settings.contact.friction);
-    info.m_restitution = std::sqrt(settings.contact.restitution);
-    auto body = std::make_unique<btRigidBody>(info);
-    body->setActivationState(DISABLE_DEACTIVATION);
-    body->setUserIndex(static_cast<int>(bodies.size()));
-    world.addRigidBody(body.get());
-    shapes.push_back(std::move(shape));
-    bodies.push_back(std::move(body));
+    BulletBody body;
+    body.mass = mass;
+    body.pose = pose;
+    body.friction = settings.contact.friction;
+    body.restitution = settings.contact.restitution;
+    world.addBody(body, inertia, std::move(shape));
   }
 
   const StackSettings& settings;
   const double scale;
-  btDefaultCollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher{&configuration};
-  btDbvtBroadphase broadPhase;
-  btSequentialImpulseConstraintSolver solver;
-  btDiscreteDynamicsWorld world;
-  std::vector<std::unique_ptr<btCollisionShape>> shapes;
-  std::vector<std::unique_ptr<btRigidBody>> bodies;
+  BulletWorld world;
   std::uint64_t contacts = 0;
 };
 
