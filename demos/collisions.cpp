@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "exit_code.h"
 #include "granular/core/errors.h"
 #include "granular/io/output_file.h"
 #include "granular/run/collision_report.h"
@@ -127,14 +128,8 @@ int main(int argc, char** argv) {
   app.add_option("--json", options.json, "file for the results; one study: its keys at the top level, else \"rows\"");
   app.add_option("--csv", options.csv, "file for the results as a table");
   CLI11_PARSE(app, argc, argv);
-  try {
+  return exitCodeOf("collisions", [&] {
     run(options);
-  } catch (const granular::InputError& error) {
-    std::fprintf(stderr, "collisions: %s\n", error.what());
-    return 1;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "collisions: %s\n", error.what());
-    return 2;
-  }
-  return 0;
+    return 0;
+  });
 }

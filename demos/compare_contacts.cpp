@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "exit_code.h"
 #include "granular/core/errors.h"
 #include "granular/run/comparison_table.h"
 
@@ -74,13 +75,5 @@ int main(int argc, char** argv) {
       "Exit codes: 0 all cases are done; 1 settings that can't be used; 2 a problem of the program.");
   addOptions(app, options);
   CLI11_PARSE(app, argc, argv);
-  try {
-    return run(options);
-  } catch (const granular::InputError& error) {
-    std::fprintf(stderr, "compare_contacts: %s\n", error.what());
-    return 1;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "compare_contacts: %s\n", error.what());
-    return 2;
-  }
+  return exitCodeOf("compare_contacts", [&] { return run(options); });
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "exit_code.h"
 #include "granular/core/errors.h"
 #include "granular/io/output_file.h"
 #include "granular/io/scene_file.h"
@@ -20,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum Exit { exitRested = 0, exitInput = 1, exitProgram = 2, exitNotRested = 3, exitTrouble = 4, exitInterrupted = 5 };
+enum Exit { exitRested = 0, exitNotRested = 3, exitTrouble = 4, exitInterrupted = 5 };
 
 volatile std::sig_atomic_t stopAsked = 0;
 void askToStop(int) { stopAsked = 1; }
@@ -116,7 +117,7 @@ int main(int argc, char** argv) {
     for (const std::string& name : skips) list += (list.empty() ? "\"" : ", \"") + name + "\"";
     options.overrides.push_back("skip=[" + list + "]");
   }
-  try {
+  return exitCodeOf("packing", [&] {
     if (options.reference) {
       granular::printSceneReference(std::cout);
       return 0;
@@ -128,11 +129,5 @@ int main(int argc, char** argv) {
     granular::require(!options.out.empty() || options.dryRun || !options.resume.empty(),
                       "--out: where do the results go?");
     return run(options);
-  } catch (const granular::InputError& error) {
-    std::fprintf(stderr, "packing: %s\n", error.what());
-    return exitInput;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "packing: %s\n", error.what());
-    return exitProgram;
-  }
+  });
 }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "exit_code.h"
 #include "granular/core/errors.h"
 #include "granular/io/output_file.h"
 #include "granular/run/packing_report.h"
@@ -21,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using granular::PileSettings;
 
-enum Exit { exitRested = 0, exitInput = 1, exitProgram = 2, exitTrouble = 4, exitInterrupted = 5 };
+enum Exit { exitRested = 0, exitTrouble = 4, exitInterrupted = 5 };
 
 volatile std::sig_atomic_t stopAsked = 0;
 void askToStop(int) { stopAsked = 1; }
@@ -128,16 +129,10 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   options.pile.shape = options.shape == "clump" ? PileSettings::Shape::clump : PileSettings::Shape::ellipsoid;
   if (app.count("--dt") > 0) options.pile.step = options.step;
-  try {
+  return exitCodeOf("pile", [&] {
     granular::require(options.resume.empty() != options.out.empty(),
                       "give --out with a folder for the results, or --resume with that of an interrupted run");
     granular::require(app.count("--spheres") == 0 || options.shape == "clump", "--spheres: only clumps have them");
     return run(options);
-  } catch (const granular::InputError& error) {
-    std::fprintf(stderr, "pile: %s\n", error.what());
-    return exitInput;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "pile: %s\n", error.what());
-    return exitProgram;
-  }
+  });
 }

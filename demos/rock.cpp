@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "exit_code.h"
 #include "granular/core/errors.h"
 #include "granular/mesh/mesh_file.h"
 #include "granular/mesh/sphere_fit.h"
@@ -104,14 +105,8 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   options.use = exact ? granular::RockUse::exact : granular::RockUse::hull;
   options.matchVolume = !keepSubset;
-  try {
+  return exitCodeOf("rock", [&] {
     run(mesh, out, options, *spheres || *error ? &fit : nullptr);
-  } catch (const granular::InputError& error) {
-    std::fprintf(stderr, "rock: %s\n", error.what());
-    return 1;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "rock: unexpected: %s\n", error.what());
-    return 2;
-  }
-  return 0;
+    return 0;
+  });
 }

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "exit_code.h"
 #include "granular/core/errors.h"
 #include "granular/io/output_file.h"
 #include "granular/io/progress.h"
@@ -115,13 +116,5 @@ int main(int argc, char** argv) {
       "Exit codes: 0 the run is done, standing or fallen; 1 settings that can't be used; 2 a problem of the program.");
   addOptions(app, options);
   CLI11_PARSE(app, argc, argv);
-  try {
-    return run(options);
-  } catch (const granular::InputError& error) {
-    std::fprintf(stderr, "stack: %s\n", error.what());
-    return 1;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "stack: %s\n", error.what());
-    return 2;
-  }
+  return exitCodeOf("stack", [&] { return run(options); });
 }
