@@ -72,7 +72,7 @@ def run(packing, folder, text):
         file.write(text)
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     done = subprocess.run([packing, os.path.join(folder, "scene.toml"), "--out", folder], capture_output=True, text=True)
-    if not os.path.exists(os.path.join(folder, "result.json")):
+    if done.returncode != 0:
         raise RuntimeError(f"{folder}: exit code {done.returncode}: {done.stderr.strip().splitlines()[-1:]}")
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
 
@@ -89,8 +89,13 @@ def measure(case, options):
         seconds = json.load(file)["user_s"]
     with open(os.path.join(pressed, "result.json")) as file:
         result = json.load(file)
+    if result["outcome"] != "ran to the end of its time":
+        raise RuntimeError(f"{pressed}: {result['outcome']}")
+    for note in result["notes"]:
+        print(f"{case}: {note}", flush=True)
     return {"case": case, "user_s": seconds, "steps": result["steps"], "particles": result["particles"],
             "us_per_particle_step": 1e6 * seconds / (result["steps"] * result["particles"]),
+            "largest_overlap": result["max_overlap_over_size"],
             "contacts_per_particle": result["counters"]["contact_steps"] / (result["steps"] * result["particles"]),
             "pairs_looked_at_per_step": (result["contacts"]["warm"] + result["contacts"]["cold"]) / result["steps"]}
 
@@ -117,12 +122,12 @@ def main():
     with open(os.path.join(options.out, "efficiency.json"), "w") as file:
         json.dump(rows, file, indent=1)
     with open(os.path.join(options.out, "efficiency.md"), "w") as file:
-        file.write("| particle | user time, s | over spheres | us per particle-step | contacts per particle | pairs looked at per step |\n"
-                   "|---|---|---|---|---|---|\n")
+        file.write("| particle | user time, s | over spheres | us per particle-step | contacts per particle | "
+                   "pairs looked at per step | largest overlap |\n|---|---|---|---|---|---|---|\n")
         for row in rows:
             file.write(f"| {row['case']} | {row['user_s']:.1f} | {row['user_s'] / rows[0]['user_s']:.2f} | "
                        f"{row['us_per_particle_step']:.3f} | {row['contacts_per_particle']:.2f} | "
-                       f"{row['pairs_looked_at_per_step']:.0f} |\n")
+                       f"{row['pairs_looked_at_per_step']:.0f} | {100 * row['largest_overlap']:.2f} % |\n")
 
 
 if __name__ == "__main__":

@@ -80,7 +80,8 @@ int run(const Options& options) {
     if (pile.scene().particles[0].lockTranslation.empty())
       runProgram({"/usr/bin/python3", scripts + "/render_bed.py", out.string()});
   }
-  std::printf("results: %s (result.json, surface.csv, tables, pile.png)\n", out.c_str());
+  std::printf("results: %s (result.json, surface.csv, tables%s)\n", out.c_str(),
+              options.picture ? ", pile.png" : "");
   return end == granular::RunEnd::trouble ? exitTrouble : exitRested;
 }
 
