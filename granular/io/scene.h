@@ -110,7 +110,7 @@ struct ParticleSettings {
   enum class Construction { spheres, ellipsoid };
   enum class Mass { sum, smooth };
   enum class Template { sphere, ellipsoid };
-  enum class Use { hull, exact };
+  enum class Use { hull, exact, clump };
   std::string name;  ///< default: the shape's name
   Shape shape = Shape::sphere;
   double radius = 0;                ///< sphere, cylinder, cone (base), sand (template), m
@@ -124,7 +124,7 @@ struct ParticleSettings {
   std::vector<double> radii;                          ///< spheres, m
   std::vector<Vec3> centres;                          ///< spheres, m
   double halfLength = 0, halfWidth = 0;               ///< ellipsoid: semi-axes along and across, m
-  std::int64_t spheres = 0;                           ///< ellipsoid: how many
+  std::int64_t spheres = 0;                           ///< ellipsoid, mesh as a clump: how many
   Mass mass = Mass::sum;                              ///< of the spheres together, or of the smooth body they stand for
 
   // mesh: each particle takes one of the files, drawn at random.
@@ -133,7 +133,8 @@ struct ParticleSettings {
   std::optional<Interval>
       extent;  ///< scaled so that the longest extent falls uniformly in it, m; not given: as the file says
   std::int64_t maxVertices = 60;  ///< of the hull
-  Use use = Use::hull;            ///< exact: all of the hull for contacts, mass of the mesh, which must be closed
+  Use use = Use::hull;  ///< exact: all of the hull for contacts, mass of the mesh; clump: spheres fitted to the mesh;
+                        ///< both need a closed mesh
 
   // sand: points spread on a template, their hull (S section 8).
   Template sandTemplate = Template::sphere;

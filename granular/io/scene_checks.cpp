@@ -144,11 +144,19 @@ void checkClump(const ParticleSettings& p, const std::string& path, const Report
     report(path + ".centres",
            fmt::format("{} centres for {} radii: each sphere needs both", p.centres.size(), p.radii.size()));
   if (!chain) refuse(p.mass == ParticleSettings::Mass::smooth, "mass");
-  if (chain && p.spheres > 0 && p.spheres % 2 == 0)
-    report(path + ".spheres", fmt::format("is {}; the chain on an ellipsoid's axis needs an odd number", p.spheres));
+  if (chain && p.spheres > 0 && (p.spheres % 2 == 0 || p.spheres < 3))
+    report(path + ".spheres",
+           fmt::format("is {}; the chain on an ellipsoid's axis needs an odd number, at least 3", p.spheres));
   if (chain && p.halfLength > 0 && p.halfLength <= p.halfWidth)
     report(path + ".half_length", fmt::format("is {:g} m, half_width {:g} m: the ellipsoid must be longer than wide",
                                               p.halfLength, p.halfWidth));
+}
+
+void checkMesh(const ParticleSettings& p, const std::string& path, const Report& report) {
+  if (p.files.empty()) report(path + ".files", "at least one file is needed");
+  const bool clump = p.use == ParticleSettings::Use::clump;
+  if (clump && p.spheres == 0) report(path, "use = \"clump\" needs spheres");
+  if (!clump && p.spheres > 0) report(path + ".spheres", "isn't used without use = \"clump\"");
 }
 
 double vesselHalfWidth(const VesselSettings& vessel) {
@@ -177,8 +185,7 @@ void checkParticles(const Scene& scene, const Report& report) {
     if (p.shape == ParticleSettings::Shape::polyhedron && p.vertices.size() < 4)
       report(path + ".vertices",
              fmt::format("a polyhedron needs at least 4 vertices, {} are given", p.vertices.size()));
-    if (p.shape == ParticleSettings::Shape::mesh && p.files.empty())
-      report(path + ".files", "at least one file is needed");
+    if (p.shape == ParticleSettings::Shape::mesh) checkMesh(p, path, report);
   }
 }
 

@@ -34,7 +34,7 @@ constexpr std::string_view shapes[] = {"sphere",     "ellipsoid", "cylinder", "c
 constexpr std::string_view constructions[] = {"spheres", "ellipsoid"};
 constexpr std::string_view masses[] = {"union", "smooth"};
 constexpr std::string_view templates[] = {"sphere", "ellipsoid"};
-constexpr std::string_view uses[] = {"hull", "exact"};
+constexpr std::string_view uses[] = {"hull", "exact", "clump"};
 constexpr std::string_view distributions[] = {"fixed", "uniform", "normal", "lognormal", "sieve"};
 constexpr std::string_view bys[] = {"number", "mass"};
 constexpr std::string_view sizeMeanings[] = {"multiplier", "diameter"};
@@ -177,12 +177,12 @@ void visitMadeUpKeys(KeyVisitor& v, ParticleSettings& s) {
       extent, D::length, positive);
   if (extent.hi > 0) s.extent = extent;
   v.readInteger({"max_vertices", "vertex budget of the hull", "mesh"}, s.maxVertices, {4, 10000});
-  v.readEnum({"use",
-              "hull: a solid hull of max_vertices; exact: all of the hull for contacts, volume and inertia of the "
-              "mesh, which must "
-              "be closed",
-              "mesh"},
-             s.use, uses);
+  v.readEnum(
+      {"use",
+       "hull: a solid hull of max_vertices; exact: all of the hull for contacts, volume and inertia of the mesh; "
+       "clump: spheres fitted to the mesh, together of its volume; both need a closed mesh",
+       "mesh"},
+      s.use, uses);
   v.readEnum({"template", "surface the points are spread on", "sand"}, s.sandTemplate, templates);
   v.readNumber({"aspect", "of the ellipsoid template: length over width", "sand"}, s.aspect, D::none, positive);
   v.readInterval({"vertex_count", "number of points, drawn uniformly", "sand"}, s.vertexCount, D::none, {4, 1000});
@@ -211,7 +211,9 @@ void visitClumpKeys(KeyVisitor& v, ParticleSettings& s) {
                D::length, positive);
   v.readNumber({"half_width", "construction = \"ellipsoid\": semi-axis across", "clump"}, s.halfWidth, D::length,
                positive);
-  v.readInteger({"spheres", "construction = \"ellipsoid\": how many, an odd number", "clump"}, s.spheres, {3, 100001});
+  v.readInteger(
+      {"spheres", "how many: construction = \"ellipsoid\", an odd number; use = \"clump\", any", "clump|mesh"},
+      s.spheres, {1, 100001});
   v.readEnum({"mass",
               "union: volume and inertia of the spheres together, overlaps counted once; smooth: of the ellipsoid they "
               "stand for",

@@ -7,6 +7,7 @@
 #include "granular/core/errors.h"
 #include "granular/insert/made_particle.h"
 #include "granular/mesh/rock.h"
+#include "granular/mesh/sphere_fit.h"
 #include "granular/shape/clump.h"
 #include "granular/shape/ellipsoid.h"
 #include "granular/shape/ellipsoid_chain.h"
@@ -125,6 +126,15 @@ Maker makeSized(const SizeSettings& settings, std::function<ShapePointer(Random&
   };
 }
 
+/// Spheres in place of a closed mesh, together of its volume.
+ShapePointer makeRockClump(const std::string& file, const RockOptions& options, int spheres) {
+  const Rock rock = loadRock(file, options);
+  require(rock.report.whyNotExact.empty(), file + ": no clump: " + rock.report.whyNotExact);
+  SphereFitOptions fit;
+  fit.count = spheres;
+  return std::make_shared<Clump>(fitSpheres(rock.mesh, fit).spheres);
+}
+
 /// Rocks: every particle one of the files, chosen at random, its longest extent drawn uniformly.
 void useMeshes(const ParticleSettings& group, std::uint64_t seed, PourGroup& out) {
   std::vector<ShapePointer> rocks;
@@ -135,7 +145,9 @@ void useMeshes(const ParticleSettings& group, std::uint64_t seed, PourGroup& out
     options.use = group.use == ParticleSettings::Use::exact ? RockUse::exact : RockUse::hull;
     // Read at the middle of the extents: the importer then works at the size that is used.
     if (group.extent) options.longestExtent = 0.5 * (group.extent->lo + group.extent->hi);
-    rocks.push_back(makeRock(file.string(), options));
+    rocks.push_back(group.use == ParticleSettings::Use::clump
+                        ? makeRockClump(file.string(), options, static_cast<int>(group.spheres))
+                        : makeRock(file.string(), options));
   }
   const SizeSettings settings = group.size;
   const std::optional<Interval> extent = group.extent;

@@ -114,6 +114,17 @@ TEST_F(BadInput, AnOpenMeshIsNotAnExactBody) {
                  {"scene.toml:", "stones", "cracked.off", "exact", "16 open"});
 }
 
+TEST_F(BadInput, AClumpOfAMeshNeedsSpheresAndAClosedMesh) {
+  const std::string meshes = std::string(GRANULAR_SOURCE_DIR) + "/meshes/";
+  expectMentions(complaintOf(meshScene(meshes + "boulder.obj", "clump"), {"particles.0.extent=5e-3"}),
+                 {"particles.0", "clump", "spheres"});
+  expectMentions(complaintOf(meshScene(meshes + "boulder.obj"), {"particles.0.extent=5e-3", "particles.0.spheres=5"}),
+                 {"particles.0.spheres", "clump"});
+  expectMentions(
+      complaintOf(meshScene(meshes + "cracked.off", "clump"), {"particles.0.extent=5e-3", "particles.0.spheres=5"}),
+      {"scene.toml:", "stones", "cracked.off", "no clump", "16 open"});
+}
+
 TEST_F(BadInput, ACoordinateThatIsNoNumberIsNamed) {
   writeFile("holey.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   expectMentions(complaintOf(meshScene("holey.obj")), {"scene.toml:", "stones", "holey.obj", "finite"});

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "granular/analysis/contact_network.h"
+#include "granular/mesh/rock.h"
+#include "granular/mesh/sphere_fit.h"
 #include "granular/run/bed_of_world.h"
 #include "granular/shape/clump.h"
 #include "run/scene_texts.h"
@@ -54,6 +56,31 @@ TEST_F(ClumpRun, LockedParticlesStayInTheirPlane) {
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(bodies.x[i].y(), 0);
     EXPECT_LT(std::abs(bodies.frame[i].R(1, 0)) + std::abs(bodies.frame[i].R(1, 2)), 1e-9);
+  }
+}
+
+TEST_F(ClumpRun, ARockPoursAsSpheresOfItsVolume) {
+  const std::string boulder = std::string(GRANULAR_SOURCE_DIR) + "/meshes/boulder.obj";
+  const double extent = 4e-3;
+  const std::string rocks = "[[particles]]\nshape = \"mesh\"\nunit = \"mm\"\nfiles = [\"" + boulder +
+                            "\"]\nuse = \"clump\"\nspheres = 12\nextent = \"4 mm\"\n";
+  const std::string pour = "[insertion]\nkind = \"batches\"\ncount = 8\nbatch = 8\n";
+  PackingRun run(write(narrowBox + commonText + rocks + pour));
+  ASSERT_EQ(run.run(makeFolder("rocks"), never), RunEnd::rested);
+
+  RockOptions options;
+  options.longestExtent = extent;
+  SphereFitOptions spheres;
+  spheres.count = 12;
+  const SphereFit fit = fitSpheres(loadRock(boulder, options).mesh, spheres);
+  const double toExtent = extent / Clump(fit.spheres).longestExtent();
+  for (const Shape* shape : run.world().bodies.shape) {
+    const Clump* clump = asClump(*shape);
+    ASSERT_NE(clump, nullptr);
+    EXPECT_EQ(clump->children().size(), 12u);
+    EXPECT_NEAR(clump->longestExtent(), extent, 1e-12);
+    EXPECT_NEAR(clump->massProperties().volume / (fit.mesh.principal.volume * std::pow(toExtent, 3)),
+                1 + fit.volumeError, 1e-6);
   }
 }
 
