@@ -80,8 +80,7 @@ int run(const Options& options) {
     if (pile.scene().particles[0].lockTranslation.empty())
       runProgram({"/usr/bin/python3", scripts + "/render_bed.py", out.string()});
   }
-  std::printf("results: %s (result.json, surface.csv, tables%s)\n", out.c_str(),
-              options.picture ? ", pile.png" : "");
+  std::printf("results: %s (result.json, surface.csv, tables%s)\n", out.c_str(), options.picture ? ", pile.png" : "");
   return end == granular::RunEnd::trouble ? exitTrouble : exitRested;
 }
 
@@ -105,7 +104,7 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--interval", p.interval, "between two particles, s (default 0.04)");
   app.add_option("--rest", p.rest, "longest wait for rest after the last particle, s (default 10)");
   app.add_option("--sleep", p.sleep,
-                 "particles whose kinetic energy is below this times m g d may sleep; 0: none (default 1e-4)");
+                 "particles whose mean motion has an energy below this times m g d may sleep; 0: none (default 1e-4)");
   app.add_option("--dt", o.step, "time step, s; default: half of the stability bound");
   app.add_flag("--three-d", p.space, "a cone in space, from a hopper");
   app.add_option("--orifice", p.orifice, "--three-d: diameter of the hopper's opening, m (default 0.03)");

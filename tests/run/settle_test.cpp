@@ -85,6 +85,17 @@ TEST_F(Settle, RainRests) {
   expectRest(narrowBox + commonText + mixture + rain + settle("sleep"), 24);
 }
 
+TEST_F(Settle, ABedSleepsWhileParticlesRainOnIt) {
+  const std::string rain = "[insertion]\nkind = \"rain\"\ncount = 150\nrate = \"150 1/s\"\n";
+  PackingRun run(write(narrowBox + commonText + spheres + rain + settle("sleep"), {"time.max_time=0.9"}));
+  ASSERT_EQ(run.run(makeFolder("out"), never), RunEnd::outOfTime);
+  const World& world = run.world();
+  // Of the 135 so far, all but the topmost layers of 20 and those in flight.
+  const auto asleep = std::count(world.bodies.state.begin(), world.bodies.state.end(), BodyState::asleep);
+  EXPECT_EQ(world.bodies.size(), 135u);
+  EXPECT_GT(asleep, 70);
+}
+
 TEST_F(Settle, PosesOfTwoGroupsRest) {
   std::ofstream(folder / "poses.txt") << "0 0 2e-3 1 0 0 0 0\n1e-3 0 6e-3 .8 .6 0 0 1\n-1e-3 1e-3 1e-2 .6 0 .8 0 1\n";
   const std::string cubes = "[[particles]]\nshape = \"cuboid\"\nhalf_lengths = [\"1.2 mm\", \"1.2 mm\", \"1.5 mm\"]\n";
