@@ -3,7 +3,9 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <assimp/Exporter.hpp>
+#include <map>
 
 #include "granular/core/errors.h"
 #include "granular/io/output_file.h"
@@ -59,31 +61,105 @@ void fillStl(std::span<const Shape* const> shapes, std::span<const Frame> frames
   scene.mRootNode->mMeshes = new unsigned[1]{0};
 }
 
-/// One mesh and one node per particle. In world coordinates: assimp's exporter leaves out a transformation that it
-/// takes for the identity, which is every translation below 10 mm.
-void fillGlb(std::span<const Shape* const> shapes, std::span<const Frame> frames, std::span<const std::int64_t> ids,
-             const MeshExportOptions& options, aiScene& scene) {
+/// What assimp's exporter may copy: it makes room for each mesh by copying all those before it, three times over.
+constexpr double mostCopied = 5e10;  // bytes, some ten seconds
+
+/// Bytes of a mesh in the file: float vertices, normals and indices.
+double bytesOf(const TriangleMesh& mesh) {
+  return 24.0 * static_cast<double>(mesh.vertices.size()) + 12.0 * static_cast<double>(mesh.triangles.size());
+}
+
+aiNode* addNode(const std::string& name, unsigned mesh, aiNode& parent, unsigned index) {
+  auto* node = new aiNode(name);
+  node->mParent = &parent;
+  node->mNumMeshes = 1;
+  node->mMeshes = new unsigned[1]{mesh};
+  parent.mChildren[index] = node;
+  return node;
+}
+void makeRoom(std::size_t children, aiNode& parent) {
+  parent.mNumChildren = static_cast<unsigned>(children);
+  parent.mChildren = new aiNode*[children];
+}
+
+/// Lengths in a GLB are micrometres under a root node that scales them to metres: assimp's exporter leaves out a
+/// transformation that it takes for the identity, which in metres is every translation below 10 mm.
+constexpr double unit = 1e-6;
+
+/// Places a particle; z up becomes y up.
+aiMatrix4x4 place(const Frame& frame) {
+  aiMatrix4x4 m;
+  const int from[] = {0, 2, 1};
+  const double sign[] = {1, 1, -1};
+  for (unsigned row = 0; row < 3; ++row) {
+    for (unsigned col = 0; col < 3; ++col)
+      m[row][col] = static_cast<float>(sign[row] * frame.R(from[row], static_cast<int>(col)));
+    m[row][3] = static_cast<float>(sign[row] * frame.x[from[row]] / unit);
+  }
+  return m;
+}
+
+/// One mesh per shape, one node per particle.
+void fillGlbByShapes(const std::vector<const Shape*>& distinct, const std::map<const Shape*, unsigned>& meshOf,
+                     std::span<const Shape* const> shapes, std::span<const Frame> frames,
+                     std::span<const std::int64_t> ids, const MeshExportOptions& options, aiScene& scene) {
   std::vector<aiMesh*> meshes;
-  for (std::size_t k = 0; k < shapes.size(); ++k) {
-    TriangleMesh mesh = shapes[k]->surface(options.resolution);
-    for (Vec3& p : mesh.vertices) {
-      const Vec3 world = frames[k].toWorld((1 - options.gap) * p);
-      p = {world.x(), world.z(), -world.y()};  // z up becomes y up
-    }
-    meshes.push_back(makeMesh(mesh.vertices, mesh.triangles, fmt::format("particle_{}", ids[k])));
+  for (const Shape* shape : distinct) {
+    TriangleMesh mesh = shape->surface(options.resolution);
+    for (Vec3& p : mesh.vertices) p *= (1 - options.gap) / unit;
+    meshes.push_back(makeMesh(mesh.vertices, mesh.triangles, fmt::format("shape_{}", meshes.size())));
   }
   fillScene(meshes, scene);
-
-  aiNode* root = scene.mRootNode;
-  root->mNumChildren = static_cast<unsigned>(shapes.size());
-  root->mChildren = new aiNode*[shapes.size()];
+  makeRoom(shapes.size(), *scene.mRootNode);
   for (std::size_t k = 0; k < shapes.size(); ++k) {
-    auto* node = new aiNode(fmt::format("particle_{}", ids[k]));
-    node->mParent = root;
-    node->mNumMeshes = 1;
-    node->mMeshes = new unsigned[1]{static_cast<unsigned>(k)};
-    root->mChildren[k] = node;
+    addNode(fmt::format("particle_{}", ids[k]), meshOf.at(shapes[k]), *scene.mRootNode, static_cast<unsigned>(k))
+        ->mTransformation = place(frames[k]);
   }
+}
+
+/// `count` meshes and nodes of many particles each, where every particle has a shape of its own.
+void fillGlbByGroups(std::size_t count, std::span<const Shape* const> shapes, std::span<const Frame> frames,
+                     std::span<const std::int64_t> ids, const MeshExportOptions& options, aiScene& scene) {
+  std::vector<aiMesh*> meshes;
+  std::vector<std::string> names;
+  const std::size_t each = (shapes.size() + count - 1) / count;
+  for (std::size_t begin = 0; begin < shapes.size(); begin += each) {
+    const std::size_t end = std::min(begin + each, shapes.size());
+    std::vector<Vec3> vertices;
+    std::vector<std::array<int, 3>> triangles;
+    for (std::size_t k = begin; k < end; ++k) {
+      const TriangleMesh mesh = shapes[k]->surface(options.resolution);
+      const int first = static_cast<int>(vertices.size());
+      for (const Vec3& p : mesh.vertices) {
+        const Vec3 world = frames[k].toWorld((1 - options.gap) * p) / unit;
+        vertices.emplace_back(world.x(), world.z(), -world.y());
+      }
+      for (const auto& t : mesh.triangles) triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    }
+    names.push_back(fmt::format("particles_{}_to_{}", ids[begin], ids[end - 1]));
+    meshes.push_back(makeMesh(vertices, triangles, names.back()));
+  }
+  fillScene(meshes, scene);
+  makeRoom(meshes.size(), *scene.mRootNode);
+  for (unsigned k = 0; k < names.size(); ++k) addNode(names[k], k, *scene.mRootNode, k);
+}
+
+void fillGlb(std::span<const Shape* const> shapes, std::span<const Frame> frames, std::span<const std::int64_t> ids,
+             const MeshExportOptions& options, aiScene& scene) {
+  std::vector<const Shape*> distinct;
+  std::map<const Shape*, unsigned> meshOf;
+  double bytes = 0;
+  for (const Shape* shape : shapes) {
+    if (!meshOf.emplace(shape, static_cast<unsigned>(distinct.size())).second) continue;
+    distinct.push_back(shape);
+    bytes += bytesOf(shape->surface(options.resolution));
+  }
+  const double most = options.mostMeshes > 0 ? options.mostMeshes : std::max(1.0, 2 * mostCopied / (3 * bytes));
+  if (static_cast<double>(distinct.size()) <= most)
+    fillGlbByShapes(distinct, meshOf, shapes, frames, ids, options, scene);
+  else
+    fillGlbByGroups(static_cast<std::size_t>(most), shapes, frames, ids, options, scene);
+  scene.mRootNode->mTransformation = aiMatrix4x4(aiVector3D(static_cast<float>(unit)), aiQuaternion(), aiVector3D(0));
 }
 
 }  // namespace

@@ -182,7 +182,7 @@ struct SettleSettings {
   double energy = 1e-4;           ///< sleep: slow is an energy of the mean motion below this times m g d
   double balance = 0.1;           ///< sleep: taken out when the net force is below this times the load
   std::optional<double> time;     ///< sleep: for so long, s; auto: 50 shortest contact times
-  double wake = 1;                ///< sleep: woken when the net force differs from that at sleep by this times the load
+  double wake = 0.3;              ///< sleep: woken when the net force differs from that at sleep by this times the load
   std::optional<double> average;  ///< sleep: in the mean of so long, s; auto: 25 shortest contact times
 };
 

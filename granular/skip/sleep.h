@@ -20,7 +20,7 @@ struct SleepOptions {
   double energy = 1e-4;  ///< slow: energy of the mean motion below this times m g d (d: equal-volume diameter)
   double time = 2e-3;    ///< for so long, s; the motion is averaged over as long
   double balance = 0.1;  ///< then, once the net force is below this times the load, and the torque below that times d/2
-  double wake = 1;       ///< woken when the net force changed by this times the load at sleep (torque: times d/2 too)
+  double wake = 0.3;     ///< woken when the net force changed by this times the load at sleep (torque: times d/2 too)
   double average = 1e-3;  ///< the change is averaged over so long, s
 };
 

@@ -209,7 +209,7 @@ TEST_F(MeshExportTest, StlHoldsTheVolumeOfTheBed) {
 }
 
 TEST_F(MeshExportTest, GapScalesEveryParticleAboutItsCentre) {
-  exportBed(folder / "bed.stl", std::span(shapes).first(2), std::span(frames).first(2), ids, {24, 0.1});
+  exportBed(folder / "bed.stl", std::span(shapes).first(2), std::span(frames).first(2), ids, {24, 0, 0.1});
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(folder / "bed.stl", 0);
   ASSERT_NE(scene, nullptr);
@@ -221,7 +221,7 @@ TEST_F(MeshExportTest, GlbHoldsEachParticleUnderItsNameInItsPlaceWithYUp) {
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(folder / "bed.glb", 0);
   ASSERT_NE(scene, nullptr) << importer.GetErrorString();
-  EXPECT_EQ(scene->mNumMeshes, 3u);
+  EXPECT_EQ(scene->mNumMeshes, 2u) << "two particles have one shape";
   for (std::size_t k = 0; k < 3; ++k) {
     const aiNode* node = scene->mRootNode->FindNode(("particle_" + std::to_string(ids[k])).c_str());
     ASSERT_NE(node, nullptr);
@@ -239,6 +239,31 @@ TEST_F(MeshExportTest, GlbHoldsEachParticleUnderItsNameInItsPlaceWithYUp) {
     EXPECT_LT((found.lo - expected.lo).cwiseAbs().maxCoeff(), facets) << k;
     EXPECT_LT((found.hi - expected.hi).cwiseAbs().maxCoeff(), facets) << k;
   }
+}
+
+TEST_F(MeshExportTest, GlbHoldsAShapeOnceHoweverManyParticlesHaveIt) {
+  std::vector<const Shape*> many(400, &sphere);
+  std::vector<Frame> places(many.size());
+  std::vector<std::int64_t> numbers(many.size());
+  for (std::size_t k = 0; k < many.size(); ++k) {
+    places[k].x = Vec3(3e-3 * static_cast<double>(k), 0, 0);
+    numbers[k] = static_cast<std::int64_t>(k);
+  }
+  exportBed(folder / "one.glb", std::span(many).first(1), std::span(places).first(1), std::span(numbers).first(1));
+  exportBed(folder / "many.glb", many, places, numbers);
+  // A node takes some 200 bytes, the sphere some tens of thousands.
+  EXPECT_LT(fs::file_size(folder / "many.glb"), fs::file_size(folder / "one.glb") + 400 * 400);
+}
+
+TEST_F(MeshExportTest, GlbOfTooManyShapesPutsThemTogether) {
+  exportBed(folder / "bed.glb", shapes, frames, ids, {24, 1, 0});
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFile(folder / "bed.glb", 0);
+  ASSERT_NE(scene, nullptr) << importer.GetErrorString();
+  ASSERT_EQ(scene->mNumMeshes, 1u);
+  const double scale = 1e-6 * 1e-6 * 1e-6;
+  const double sphereVolume = 4.0 / 3 * pi * 1e-9;
+  EXPECT_NEAR(scale * volumeOf(*scene->mMeshes[0]), 54e-9 + sphereVolume, 0.05 * sphereVolume);
 }
 
 TEST_F(MeshExportTest, OtherEndingsAndEmptyBedsAreRefused) {
