@@ -92,9 +92,7 @@ std::string describeEnsembles() {
   return text;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int parseAndRun(int argc, char** argv) {
   CLI::App app(
       "Lets pairs of particles collide in random poses without gravity, damping or friction limit, and measures what "
       "is "
@@ -128,8 +126,12 @@ int main(int argc, char** argv) {
   app.add_option("--json", options.json, "file for the results; one study: its keys at the top level, else \"rows\"");
   app.add_option("--csv", options.csv, "file for the results as a table");
   CLI11_PARSE(app, argc, argv);
-  return exitCodeOf("collisions", [&] {
-    run(options);
-    return 0;
-  });
+  run(options);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return exitCodeOf("collisions", [&] { return parseAndRun(argc, argv); });
 }

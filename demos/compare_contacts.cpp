@@ -62,9 +62,7 @@ int run(const Options& o) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int parseAndRun(int argc, char** argv) {
   Options options;
   CLI::App app(
       "Runs the same scenes under Bullet alone and under the granular layer with every contact-point rule, and says "
@@ -75,5 +73,11 @@ int main(int argc, char** argv) {
       "Exit codes: 0 all cases are done; 1 settings that can't be used; 2 a problem of the program.");
   addOptions(app, options);
   CLI11_PARSE(app, argc, argv);
-  return exitCodeOf("compare_contacts", [&] { return run(options); });
+  return run(options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return exitCodeOf("compare_contacts", [&] { return parseAndRun(argc, argv); });
 }

@@ -83,9 +83,7 @@ int run(const Options& options) {
   return exitOf(end);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int parseAndRun(int argc, char** argv) {
   CLI::App app(
       "Pours particles into a vessel as a scene file says, lets the bed come to rest, and measures it.\n"
       "Exit codes: 0 at rest, 1 bad input, 2 a problem of the program, 3 not at rest in the time given, 4 stopped by "
@@ -117,17 +115,20 @@ int main(int argc, char** argv) {
     for (const std::string& name : skips) list += (list.empty() ? "\"" : ", \"") + name + "\"";
     options.overrides.push_back("skip=[" + list + "]");
   }
-  return exitCodeOf("packing", [&] {
-    if (options.reference) {
-      granular::printSceneReference(std::cout);
-      return 0;
-    }
-    granular::require(!options.scene.empty() != !options.resume.empty(),
-                      "give a scene file, or --resume with a folder");
-    granular::require(options.out.empty() || options.resume.empty(),
-                      "--resume goes on in its own folder: leave out --out");
-    granular::require(!options.out.empty() || options.dryRun || !options.resume.empty(),
-                      "--out: where do the results go?");
-    return run(options);
-  });
+  if (options.reference) {
+    granular::printSceneReference(std::cout);
+    return 0;
+  }
+  granular::require(!options.scene.empty() != !options.resume.empty(), "give a scene file, or --resume with a folder");
+  granular::require(options.out.empty() || options.resume.empty(),
+                    "--resume goes on in its own folder: leave out --out");
+  granular::require(!options.out.empty() || options.dryRun || !options.resume.empty(),
+                    "--out: where do the results go?");
+  return run(options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return exitCodeOf("packing", [&] { return parseAndRun(argc, argv); });
 }

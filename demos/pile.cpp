@@ -116,9 +116,7 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_flag("--dry-run", o.dryRun, "make the scene and say what would be done");
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int parseAndRun(int argc, char** argv) {
   CLI::App app(
       "The piling problem of Markauskas et al. (2010): ellipsoids, or clumps of spheres in their place, dropped one by "
       "one beside a wall and held to a plane; or a cone in space. Measures repose angle, porosity and coordination.\n"
@@ -129,10 +127,14 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   options.pile.shape = options.shape == "clump" ? PileSettings::Shape::clump : PileSettings::Shape::ellipsoid;
   if (app.count("--dt") > 0) options.pile.step = options.step;
-  return exitCodeOf("pile", [&] {
-    granular::require(options.resume.empty() != options.out.empty(),
-                      "give --out with a folder for the results, or --resume with that of an interrupted run");
-    granular::require(app.count("--spheres") == 0 || options.shape == "clump", "--spheres: only clumps have them");
-    return run(options);
-  });
+  granular::require(options.resume.empty() != options.out.empty(),
+                    "give --out with a folder for the results, or --resume with that of an interrupted run");
+  granular::require(app.count("--spheres") == 0 || options.shape == "clump", "--spheres: only clumps have them");
+  return run(options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return exitCodeOf("pile", [&] { return parseAndRun(argc, argv); });
 }

@@ -69,9 +69,7 @@ void run(const std::string& mesh, const std::filesystem::path& out, const granul
   if (clump) writeClump(rock, out, *clump);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int parseAndRun(int argc, char** argv) {
   CLI::App app(
       "Reads a scanned mesh (OBJ, STL, PLY, OFF, glTF, GLB), repairs it and makes a convex body of it.\n"
       "Writes report.txt, report.json, mesh.stl (repaired), hull.stl (full), body.stl (what contacts see), rock.png;\n"
@@ -105,8 +103,12 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   options.use = exact ? granular::RockUse::exact : granular::RockUse::hull;
   options.matchVolume = !keepSubset;
-  return exitCodeOf("rock", [&] {
-    run(mesh, out, options, *spheres || *error ? &fit : nullptr);
-    return 0;
-  });
+  run(mesh, out, options, *spheres || *error ? &fit : nullptr);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return exitCodeOf("rock", [&] { return parseAndRun(argc, argv); });
 }

@@ -107,14 +107,18 @@ int run(Options& o) {
   return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int parseAndRun(int argc, char** argv) {
   Options options;
   CLI::App app(
       "Builds a tower of cuboids, from static equilibrium or from a drop, and watches whether it stands.\n"
       "Exit codes: 0 the run is done, standing or fallen; 1 settings that can't be used; 2 a problem of the program.");
   addOptions(app, options);
   CLI11_PARSE(app, argc, argv);
-  return exitCodeOf("stack", [&] { return run(options); });
+  return run(options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return exitCodeOf("stack", [&] { return parseAndRun(argc, argv); });
 }

@@ -164,7 +164,8 @@ namespace {
 LocalMinimum settleFromEverywhere(Difference& c, const LocalMinimum& known) {
   LocalMinimum best = known;
   for (int k = 0; k < 27; ++k) {
-    const Vec3 d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    const int x = k % 3 - 1, y = k / 3 % 3 - 1, z = k / 9 - 1;
+    const Vec3 d(x, y, z);
     if (d.squaredNorm() == 0) continue;
     // Axes and diagonals of A; axes of B.
     const bool axis = d.squaredNorm() == 1;
