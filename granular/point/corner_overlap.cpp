@@ -180,8 +180,8 @@ bool findStretch(const Ridge& ridge, const Vec2& crossing, double depth, const L
 }
 
 /// Edge across edge.
-bool measureCrossing(const SurfaceSide& a, const SurfaceSide& b, Ridge ridgeA, Ridge ridgeB, const PowerChoice& power,
-                     OverlapArea& out) {
+bool measureCrossing(const SurfaceSide& a, const SurfaceSide& b, const Ridge& ridgeA, Ridge ridgeB,
+                     const PowerChoice& power, OverlapArea& out) {
   const double depth = ridgeA.height - ridgeB.height;
   if (!(depth > 0)) return false;
   Vec2 alongA = ridgeA.to - ridgeA.from;

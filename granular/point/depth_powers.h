@@ -76,7 +76,8 @@ inline DepthPowers integratePowers(const Polygon& polygon, const Linear& depth, 
   const double inverse = 1 / power.scale;
   const Vec2 p = polygon[0];
   for (int k = 2; k < polygon.count; ++k) {
-    const Vec2 a = polygon[k - 1], b = polygon[k];
+    const Vec2& a = polygon[k - 1];
+    const Vec2& b = polygon[k];
     const double area = 0.5 * cross(a - p, b - p);
     addSimplex<3>({p, a, b}, {depth.at(p) * inverse, depth.at(a) * inverse, depth.at(b) * inverse}, area,
                   power.exponent, out);

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "granular/core/math.h"
@@ -29,7 +30,9 @@ void dropIdleCorners(std::size_t vertexCount, std::vector<FaceCorners>& faces);
 /// The edges at which two faces meet: directed edge (from, to) and the face whose corners run that way, sorted.
 struct FaceSide {
   std::int32_t from, to, face;
-  auto operator<=>(const FaceSide&) const = default;
+  bool operator<(const FaceSide& other) const {
+    return std::tie(from, to, face) < std::tie(other.from, other.to, other.face);
+  }
 };
 std::vector<FaceSide> faceSides(const std::vector<FaceCorners>& faces);
 
