@@ -19,9 +19,9 @@ Exit codes: 0 done; 1 a run failed.
 import argparse
 import json
 import os
-import resource
-import subprocess
 import sys
+
+from timed_run import timed_run
 
 A, B, MASS = 2.7e-3, 1.15e-3, 2e-5
 VOLUME = 4.0 / 3 * 3.141592653589793 * A * B * B
@@ -70,11 +70,10 @@ def run(packing, folder, text):
     os.makedirs(folder, exist_ok=True)
     with open(os.path.join(folder, "scene.toml"), "w") as file:
         file.write(text)
-    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    done = subprocess.run([packing, os.path.join(folder, "scene.toml"), "--out", folder], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"{folder}: exit code {done.returncode}: {done.stderr.strip().splitlines()[-1:]}")
-    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+    done = timed_run([packing, os.path.join(folder, "scene.toml"), "--out", folder])
+    if done.code != 0:
+        raise RuntimeError(f"{folder}: exit code {done.code}: {done.last_line()}")
+    return done.user
 
 
 def measure(case, options):

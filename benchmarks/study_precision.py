@@ -14,9 +14,10 @@ import argparse
 import json
 import math
 import os
-import resource
 import subprocess
 import sys
+
+from timed_run import timed_run
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 SCENE = os.path.join(ROOT, "demos", "scenes", "cuboids.toml")
@@ -31,11 +32,6 @@ def contact_time(stiffness):
     """S 14 for two equal cubes, s."""
     reduced = DENSITY * (2 * HALF) ** 3 / 2
     return math.sqrt(reduced * (math.pi ** 2 + math.log(RESTITUTION) ** 2) / stiffness)
-
-
-def processor_time():
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def run_benchmark(options, name):
@@ -73,20 +69,19 @@ def run_bed(options, steps, stiffness, seed):
         for key, value in chosen.items():
             words += ["--set", f"{key}={value}"]
     environment = dict(os.environ, OMP_NUM_THREADS="1")
-    began = processor_time()
-    done = subprocess.run(words, capture_output=True, text=True, env=environment)
+    done = timed_run(words, environment)
     # A bed that isn't at rest in time, and a step above the bound, are answers too.
-    if done.returncode == 1 and "step" in done.stderr:
+    if done.code == 1 and "time.step" in done.last_line():
         os.makedirs(folder, exist_ok=True)
         with open(result, "w") as file:
-            json.dump({"outcome": "refused: " + done.stderr.strip().splitlines()[-1]}, file)
-    elif done.returncode not in (0, 3, 4):
-        print(f"{name}: exit code {done.returncode}: {done.stderr.strip()[-500:]}", file=sys.stderr, flush=True)
+            json.dump({"outcome": "refused: " + done.last_line()}, file)
+    elif done.code not in (0, 3, 4):
+        print(f"{name}: exit code {done.code}: {done.last_line()}", file=sys.stderr, flush=True)
         return False
     with open(timing, "w") as file:
         json.dump({"steps_per_contact": steps, "stiffness_n_per_m": stiffness, "seed": seed, "count": options.count,
-                   "resumed": resumed, "processor_s": processor_time() - began}, file)
-    print(f"{name}: exit code {done.returncode}", flush=True)
+                   "resumed": resumed, "processor_s": done.user + done.system}, file)
+    print(f"{name}: exit code {done.code}", flush=True)
     return True
 
 

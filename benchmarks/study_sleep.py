@@ -14,9 +14,10 @@ import argparse
 import json
 import os
 import statistics
-import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+
+from timed_run import timed_run
 
 OVERRIDES = {"none": ["settle.kind=none"], "default": ["settle.kind=sleep"]}
 
@@ -29,14 +30,11 @@ def run(case, seed, options):
         command = [options.packing, options.scene, "--out", folder, "--threads", "1", "--seed", str(seed)]
         for each in overrides + options.set + ["output.picture=false", "output.plots=false", "output.stl=false", "output.glb=false"]:
             command += ["--set", each]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
-            told = process.stdout.read()
-            _, status, usage = os.wait4(process.pid, 0)
-            process.returncode = os.waitstatus_to_exitcode(status)
-        if process.returncode != 0:
-            raise RuntimeError(f"{folder}: exit code {process.returncode}: {told.strip().splitlines()[-1:]}")
+        done = timed_run(command)
+        if done.code != 0:
+            raise RuntimeError(f"{folder}: exit code {done.code}: {done.last_line()}")
         with open(timing, "w") as file:
-            json.dump({"user_s": usage.ru_utime}, file)
+            json.dump({"user_s": done.user}, file)
     with open(timing) as file:
         seconds = json.load(file)["user_s"]
     with open(os.path.join(folder, "result.json")) as file:

@@ -2,7 +2,6 @@
 #include <omp.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -16,15 +15,13 @@
 #include "granular/run/packing_report.h"
 #include "granular/run/packing_run.h"
 #include "run_program.h"
+#include "stop_signal.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 
 enum Exit { exitRested = 0, exitNotRested = 3, exitTrouble = 4, exitInterrupted = 5 };
-
-volatile std::sig_atomic_t stopAsked = 0;
-void askToStop(int) { stopAsked = 1; }
 
 struct Options {
   fs::path scene, out, resume;
@@ -69,8 +66,7 @@ int run(const Options& options) {
   granular::prepareOutputFolder(out);
   std::fflush(stdout);
 
-  std::signal(SIGINT, askToStop);
-  std::signal(SIGTERM, askToStop);
+  listenForStop();
   const granular::RunEnd end = packing.run(out, stopAsked);
   if (end == granular::RunEnd::interrupted) {
     std::printf("interrupted at t = %.4g s; go on with: packing --resume %s\n", packing.world().time, out.c_str());

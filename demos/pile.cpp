@@ -4,7 +4,6 @@
 #include <omp.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +15,7 @@
 #include "granular/io/output_file.h"
 #include "granular/run/packing_report.h"
 #include "run_program.h"
+#include "stop_signal.h"
 
 namespace {
 
@@ -23,9 +23,6 @@ namespace fs = std::filesystem;
 using granular::PileSettings;
 
 enum Exit { exitRested = 0, exitTrouble = 4, exitInterrupted = 5 };
-
-volatile std::sig_atomic_t stopAsked = 0;
-void askToStop(int) { stopAsked = 1; }
 
 struct Options {
   PileSettings pile;
@@ -62,8 +59,7 @@ int run(const Options& options) {
   if (options.dryRun) return exitRested;
   std::fflush(stdout);
 
-  std::signal(SIGINT, askToStop);
-  std::signal(SIGTERM, askToStop);
+  listenForStop();
   const granular::RunEnd end = pile.run(out, stopAsked);
   if (end == granular::RunEnd::interrupted) {
     std::printf("interrupted at t = %.4g s; go on with: pile --resume %s\n", pile.world().time, out.c_str());

@@ -9,7 +9,6 @@
 #include "exit_code.h"
 #include "granular/core/errors.h"
 #include "granular/mesh/mesh_file.h"
-#include "granular/mesh/sphere_fit.h"
 #include "run_program.h"
 
 namespace {
@@ -37,8 +36,7 @@ void drawPicture(const std::filesystem::path& out, bool ofClump) {
 // Spheres in place of the mesh: their list, their surface, and how well they fit.
 void writeClump(const granular::Rock& rock, const std::filesystem::path& out,
                 const granular::SphereFitOptions& options) {
-  granular::require(rock.report.whyNotExact.empty(), rock.report.path + ": no clump: " + rock.report.whyNotExact);
-  const granular::SphereFit fit = granular::fitSpheres(rock.mesh, options);
+  const granular::SphereFit fit = granular::fitSpheres(rock, options);
   std::fputs(granular::formatFit(fit).c_str(), stdout);
   writeText(out / "clump.json", granular::fitToJson(fit));
   granular::Frame toBody;

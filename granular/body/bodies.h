@@ -75,6 +75,12 @@ struct Bodies {
   /// first call after bodies came, went, or changed their state, which must not come from several threads at once.
   const std::vector<std::int32_t>& movingSlots() const;
 
+  /// Of slot i, J: with a velocity in world axes and a spin in body axes, and with those at t_n.
+  double kineticEnergy(std::size_t i, const Vec3& velocity, const Vec3& bodySpin) const {
+    return 0.5 * (mass[i] * velocity.squaredNorm() + bodySpin.dot(inertia[i].cwiseProduct(bodySpin)));
+  }
+  double kineticEnergy(std::size_t i) const { return kineticEnergy(i, v[i], frame[i].unrotate(w[i])); }
+
   /// Appends a body; returns its slot. The half steps are started by the integrator.
   std::size_t add(const NewBody& body, const Shape& bodyShape);
 

@@ -131,9 +131,6 @@ void bookContact(const ContactAccount& account, const ContactForce& force, const
 BodySums bookBodies(const Bodies& bodies, const std::vector<Vec3>& vBefore, const std::vector<Vec3>& wBefore,
                     const Vec3& gravity, double dt, std::size_t first, std::size_t last) {
   BodySums sums;
-  const auto kinetic = [&](std::size_t i, const Vec3& v, const Vec3& w) {
-    return 0.5 * (bodies.mass[i] * v.squaredNorm() + w.dot(bodies.inertia[i].cwiseProduct(w)));
-  };
   for (std::size_t i = first; i < last; ++i) {
     ++sums.bodies;
     sums.frozen += bodies.state[i] == BodyState::frozen;
@@ -144,8 +141,8 @@ BodySums bookBodies(const Bodies& bodies, const std::vector<Vec3>& vBefore, cons
     const double weight = 0.5 * dt * bodies.mass[i];
     sums.potentialBefore += weight * gravity.dot(vBefore[i]);
     sums.potentialAfter -= weight * gravity.dot(bodies.vHalf[i]);
-    sums.kineticBefore += kinetic(i, vBefore[i], wBefore[i]);
-    sums.kineticAfter += kinetic(i, bodies.vHalf[i], bodies.wHalf[i]);
+    sums.kineticBefore += bodies.kineticEnergy(i, vBefore[i], wBefore[i]);
+    sums.kineticAfter += bodies.kineticEnergy(i, bodies.vHalf[i], bodies.wHalf[i]);
   }
   return sums;
 }

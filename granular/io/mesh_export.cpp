@@ -14,8 +14,8 @@ namespace granular {
 namespace {
 
 /// One triangle mesh as assimp holds it; the scene it enters owns it.
-aiMesh* makeMesh(const std::vector<Vec3>& vertices, const std::vector<std::array<int, 3>>& triangles,
-                 const std::string& name) {
+aiMesh* makeMesh(const TriangleMesh& from, const std::string& name) {
+  const auto& [vertices, triangles] = from;
   auto* mesh = new aiMesh;
   mesh->mName = name;
   mesh->mPrimitiveTypes = aiPrimitiveType_TRIANGLE;
@@ -45,18 +45,23 @@ void fillScene(const std::vector<aiMesh*>& meshes, aiScene& scene) {
   scene.mRootNode = new aiNode("bed");
 }
 
-/// All particles as one mesh in world coordinates.
-void fillStl(std::span<const Shape* const> shapes, std::span<const Frame> frames, const MeshExportOptions& options,
-             aiScene& scene) {
-  std::vector<Vec3> vertices;
-  std::vector<std::array<int, 3>> triangles;
+/// The surfaces of particles as one mesh in world coordinates, m.
+TriangleMesh surfaceOf(std::span<const Shape* const> shapes, std::span<const Frame> frames,
+                       const MeshExportOptions& options) {
+  TriangleMesh all;
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     const TriangleMesh mesh = shapes[k]->surface(options.resolution);
-    const int first = static_cast<int>(vertices.size());
-    for (const Vec3& p : mesh.vertices) vertices.push_back(frames[k].toWorld((1 - options.gap) * p));
-    for (const auto& t : mesh.triangles) triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    const int first = static_cast<int>(all.vertices.size());
+    for (const Vec3& p : mesh.vertices) all.vertices.push_back(frames[k].toWorld((1 - options.gap) * p));
+    for (const auto& t : mesh.triangles) all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
   }
-  fillScene({makeMesh(vertices, triangles, "bed")}, scene);
+  return all;
+}
+
+/// All particles as one mesh.
+void fillStl(std::span<const Shape* const> shapes, std::span<const Frame> frames, const MeshExportOptions& options,
+             aiScene& scene) {
+  fillScene({makeMesh(surfaceOf(shapes, frames, options), "bed")}, scene);
   scene.mRootNode->mNumMeshes = 1;
   scene.mRootNode->mMeshes = new unsigned[1]{0};
 }
@@ -99,15 +104,14 @@ aiMatrix4x4 place(const Frame& frame) {
   return m;
 }
 
-/// One mesh per shape, one node per particle.
-void fillGlbByShapes(const std::vector<const Shape*>& distinct, const std::map<const Shape*, unsigned>& meshOf,
+/// One mesh per shape, one node per particle. surfaces: of each shape, m.
+void fillGlbByShapes(std::vector<TriangleMesh>& surfaces, const std::map<const Shape*, unsigned>& meshOf,
                      std::span<const Shape* const> shapes, std::span<const Frame> frames,
                      std::span<const std::int64_t> ids, const MeshExportOptions& options, aiScene& scene) {
   std::vector<aiMesh*> meshes;
-  for (const Shape* shape : distinct) {
-    TriangleMesh mesh = shape->surface(options.resolution);
-    for (Vec3& p : mesh.vertices) p *= (1 - options.gap) / unit;
-    meshes.push_back(makeMesh(mesh.vertices, mesh.triangles, fmt::format("shape_{}", meshes.size())));
+  for (TriangleMesh& surface : surfaces) {
+    for (Vec3& p : surface.vertices) p *= (1 - options.gap) / unit;
+    meshes.push_back(makeMesh(surface, fmt::format("shape_{}", meshes.size())));
   }
   fillScene(meshes, scene);
   makeRoom(shapes.size(), *scene.mRootNode);
@@ -124,20 +128,11 @@ void fillGlbByGroups(std::size_t count, std::span<const Shape* const> shapes, st
   std::vector<std::string> names;
   const std::size_t each = (shapes.size() + count - 1) / count;
   for (std::size_t begin = 0; begin < shapes.size(); begin += each) {
-    const std::size_t end = std::min(begin + each, shapes.size());
-    std::vector<Vec3> vertices;
-    std::vector<std::array<int, 3>> triangles;
-    for (std::size_t k = begin; k < end; ++k) {
-      const TriangleMesh mesh = shapes[k]->surface(options.resolution);
-      const int first = static_cast<int>(vertices.size());
-      for (const Vec3& p : mesh.vertices) {
-        const Vec3 world = frames[k].toWorld((1 - options.gap) * p) / unit;
-        vertices.emplace_back(world.x(), world.z(), -world.y());
-      }
-      for (const auto& t : mesh.triangles) triangles.push_back({first + t[0], first + t[1], first + t[2]});
-    }
-    names.push_back(fmt::format("particles_{}_to_{}", ids[begin], ids[end - 1]));
-    meshes.push_back(makeMesh(vertices, triangles, names.back()));
+    const std::size_t some = std::min(each, shapes.size() - begin);
+    TriangleMesh surface = surfaceOf(shapes.subspan(begin, some), frames.subspan(begin, some), options);
+    for (Vec3& p : surface.vertices) p = Vec3(p.x(), p.z(), -p.y()) / unit;
+    names.push_back(fmt::format("particles_{}_to_{}", ids[begin], ids[begin + some - 1]));
+    meshes.push_back(makeMesh(surface, names.back()));
   }
   fillScene(meshes, scene);
   makeRoom(meshes.size(), *scene.mRootNode);
@@ -146,17 +141,17 @@ void fillGlbByGroups(std::size_t count, std::span<const Shape* const> shapes, st
 
 void fillGlb(std::span<const Shape* const> shapes, std::span<const Frame> frames, std::span<const std::int64_t> ids,
              const MeshExportOptions& options, aiScene& scene) {
-  std::vector<const Shape*> distinct;
+  std::vector<TriangleMesh> surfaces;  // of the distinct shapes
   std::map<const Shape*, unsigned> meshOf;
   double bytes = 0;
   for (const Shape* shape : shapes) {
-    if (!meshOf.emplace(shape, static_cast<unsigned>(distinct.size())).second) continue;
-    distinct.push_back(shape);
-    bytes += bytesOf(shape->surface(options.resolution));
+    if (!meshOf.emplace(shape, static_cast<unsigned>(surfaces.size())).second) continue;
+    surfaces.push_back(shape->surface(options.resolution));
+    bytes += bytesOf(surfaces.back());
   }
   const double most = options.mostMeshes > 0 ? options.mostMeshes : std::max(1.0, 2 * mostCopied / (3 * bytes));
-  if (static_cast<double>(distinct.size()) <= most)
-    fillGlbByShapes(distinct, meshOf, shapes, frames, ids, options, scene);
+  if (static_cast<double>(surfaces.size()) <= most)
+    fillGlbByShapes(surfaces, meshOf, shapes, frames, ids, options, scene);
   else
     fillGlbByGroups(static_cast<std::size_t>(most), shapes, frames, ids, options, scene);
   scene.mRootNode->mTransformation = aiMatrix4x4(aiVector3D(static_cast<float>(unit)), aiQuaternion(), aiVector3D(0));

@@ -231,6 +231,11 @@ RockReport analyseMesh(const std::string& path, const RockOptions& options) {
   return prepareRock(path, options, false).report;
 }
 
+SphereFit fitSpheres(const Rock& rock, const SphereFitOptions& options) {
+  require(rock.report.whyNotExact.empty(), rock.report.path + ": no clump: " + rock.report.whyNotExact);
+  return fitSpheres(rock.mesh, options);
+}
+
 std::shared_ptr<const Polyhedron> makeRock(const std::string& path, const RockOptions& options, RockReport* report) {
   Rock rock = loadRock(path, options);
   if (report != nullptr) *report = rock.report;

@@ -8,6 +8,7 @@
 
 #include "granular/mesh/reduction.h"
 #include "granular/mesh/repair.h"
+#include "granular/mesh/sphere_fit.h"
 #include "granular/shape/polyhedron.h"
 
 namespace granular {
@@ -90,6 +91,10 @@ RockReport analyseMesh(const std::string& path, const RockOptions& options);
 /// The body alone; the report too if wanted.
 std::shared_ptr<const Polyhedron> makeRock(const std::string& path, const RockOptions& options,
                                            RockReport* report = nullptr);
+
+/// Spheres in place of the mesh of the rock. Throws InputError naming the file if the mesh can't be an exact body, and
+/// whatever fitSpheres of a mesh throws.
+SphereFit fitSpheres(const Rock& rock, const SphereFitOptions& options);
 
 /// The report for people, in lines, and for programs, as JSON with SI units and stable keys.
 std::string formatReport(const RockReport& report);

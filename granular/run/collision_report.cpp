@@ -44,6 +44,7 @@ Json describeRow(const CollisionRow& row) {
   json["max_overlap_over_size"] = r.deepestOverlap;
   json["unfinished"] = r.unfinished;
   json["uncertified"] = r.uncertified;
+  json["coarse"] = r.coarse;
   return json;
 }
 
@@ -72,6 +73,7 @@ std::string formatCollisionTable(const std::vector<CollisionRow>& rows) {
         r.stiffLimit.mean, r.totalEnergy.mean, r.totalEnergy.worst, r.angularMomentum.mean, r.angularMomentum.worst,
         row.pair.published);
     if (r.unfinished > 0) text += fmt::format("  {} contacts did not end and are left out\n", r.unfinished);
+    if (r.coarse > 0) text += fmt::format("  {} overlaps were certified coarsely\n", r.coarse);
     if (r.uncertified > 0) text += fmt::format("  {} uncertified overlaps were used\n", r.uncertified);
   }
   return text;

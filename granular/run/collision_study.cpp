@@ -140,7 +140,7 @@ Angular measureAngular(const Encounter& e, const World& world) {
 struct Sample {
   bool finished = false;
   double residual = 0, totalEnergy = 0, kineticLoss = 0, angularMomentum = 0, stiffLimit = 0, overlap = 0;
-  std::uint64_t uncertified = 0;
+  std::uint64_t uncertified = 0, coarse = 0;
 };
 
 Sample collide(const ColliderKind (&kinds)[2], const CollisionOptions& options, double dt, Random random) {
@@ -175,6 +175,7 @@ Sample collide(const ColliderKind (&kinds)[2], const CollisionOptions& options, 
   sample.angularMomentum = angular.scale > 0 ? (after.angular - angular.sum).norm() / angular.scale : 0;
   sample.overlap = world->report.deepestOverlap;
   sample.uncertified = world->report.narrow.uncertified;
+  sample.coarse = world->report.narrow.coarse;
   return sample;
 }
 
@@ -284,6 +285,7 @@ CollisionResult studyCollisions(const ColliderKind& a, const ColliderKind& b, co
   for (const Sample& sample : samples) {
     result.unfinished += !sample.finished;
     result.uncertified += sample.uncertified;
+    result.coarse += sample.coarse;
     result.deepestOverlap = std::max(result.deepestOverlap, sample.overlap);
   }
   return result;

@@ -46,7 +46,7 @@ struct CollisionResult {
   Tally stiffDifference;        ///< |residual - stiffLimit| of each collision, percent of E_0
   double deepestOverlap = 0;    ///< over the smaller size
   std::int64_t unfinished = 0;  ///< contacts that did not end within maxContactTimes t_c; left out of the tallies
-  std::uint64_t uncertified = 0;
+  std::uint64_t uncertified = 0, coarse = 0;  ///< overlaps used without certificate, and certified coarsely (narrow.h)
 };
 
 /// A contact that lasts longer is given up and counted.

@@ -100,7 +100,7 @@ PackingRun::PackingRun(SceneSource source)
   }
   makePour();
   placePoses();
-  chooseTimeStep();
+  chooseTimes();
   startHalfSteps(*state, dt, 0, true);
   if (pour->isDone()) counters.pouredAt = state->time;  // poses and beds have nothing to wait for
 }
@@ -178,7 +178,7 @@ void PackingRun::placePoses() {
   }
 }
 
-void PackingRun::chooseTimeStep() {
+void PackingRun::chooseTimes() {
   // Each shape that will take part, once.
   std::vector<BodyKind> kinds;
   std::set<std::pair<const Shape*, int>> seen;
@@ -258,8 +258,7 @@ double PackingRun::restlessness() const {
   const double batch = settings.insertion.batch.hi;
   double counted = 0;
   for (std::size_t i = bodies.size(); i-- > 0;) {
-    const Vec3 spin = bodies.frame[i].unrotate(bodies.w[i]);
-    energy += 0.5 * (bodies.mass[i] * bodies.v[i].squaredNorm() + spin.dot(bodies.inertia[i].cwiseProduct(spin)));
+    energy += bodies.kineticEnergy(i);
     if (counters.pouredAt < 0 && counted >= batch) continue;
     scale += weightTimesSize(bodies, i, gravity);
     ++counted;

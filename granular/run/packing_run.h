@@ -84,7 +84,7 @@ class PackingRun {
 
  private:
   void makePour();
-  void chooseTimeStep();
+  void chooseTimes();
   void placePoses();
   void addParticle(const NewParticle& particle);
   void insertDue();

@@ -7,7 +7,6 @@
 #include "granular/core/errors.h"
 #include "granular/insert/made_particle.h"
 #include "granular/mesh/rock.h"
-#include "granular/mesh/sphere_fit.h"
 #include "granular/shape/clump.h"
 #include "granular/shape/ellipsoid.h"
 #include "granular/shape/ellipsoid_chain.h"
@@ -128,11 +127,9 @@ Maker makeSized(const SizeSettings& settings, std::function<ShapePointer(Random&
 
 /// Spheres in place of a closed mesh, together of its volume.
 ShapePointer makeRockClump(const std::string& file, const RockOptions& options, int spheres) {
-  const Rock rock = loadRock(file, options);
-  require(rock.report.whyNotExact.empty(), file + ": no clump: " + rock.report.whyNotExact);
   SphereFitOptions fit;
   fit.count = spheres;
-  return std::make_shared<Clump>(fitSpheres(rock.mesh, fit).spheres);
+  return std::make_shared<Clump>(fitSpheres(loadRock(file, options), fit).spheres);
 }
 
 /// Rocks: every particle one of the files, chosen at random, its longest extent drawn uniformly.

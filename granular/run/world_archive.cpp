@@ -358,14 +358,9 @@ void describe(Archive& archive, World& world) {
     archive.visit("refreshes", world.search.refreshes);
   });
   archive.inGroup("sleep", [&] {
-    archive.visit("calm", world.sleep.calm, {"s", ""});
-    archive.visit("velocity", world.sleep.velocity, {"m/s", "mean, of a body awake"});
-    archive.visit("spin", world.sleep.spin, {"rad/s", "mean, of a body awake"});
-    archive.visit("force", world.sleep.force, {"N", "net, when it fell asleep"});
-    archive.visit("torque", world.sleep.torque, {"N m", ""});
-    archive.visit("force_change", world.sleep.forceChange, {"N", "mean, since it fell asleep"});
-    archive.visit("torque_change", world.sleep.torqueChange, {"N m", ""});
-    archive.visit("load", world.sleep.load, {"N", "carried when it fell asleep"});
+    world.sleep.visitColumns([&](const char* name, auto& column, const char* unit, const char* note) {
+      archive.visit(name, column, {unit, note});
+    });
     archive.visit("energy_let_go", world.sleep.energyLetGo, {"J", ""});
     archive.visit("fallen", world.sleep.fallen);
     archive.visit("woken", world.sleep.woken);

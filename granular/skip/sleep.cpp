@@ -1,31 +1,27 @@
 #include "granular/skip/sleep.h"
 
+#include <type_traits>
+
 namespace granular {
 
 void SleepState::remove(const std::vector<bool>& gone) {
-  const auto compact = [&](auto& column) {
+  visitColumns([&](const char*, auto& column, auto&&...) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < column.size(); ++i) {
       if (!gone[i]) column[kept++] = column[i];
     }
     column.resize(kept);
-  };
-  compact(calm);
-  compact(velocity);
-  compact(spin);
-  compact(force);
-  compact(torque);
-  compact(forceChange);
-  compact(torqueChange);
-  compact(load);
+  });
 }
 
 void SleepState::resize(std::size_t bodies) {
-  calm.resize(bodies, 0);
-  load.resize(bodies, 0);
-  for (auto* column : {&velocity, &spin, &force, &torque, &forceChange, &torqueChange}) {
-    column->resize(bodies, Vec3::Zero());
-  }
+  visitColumns([&](const char*, auto& column, auto&&...) {
+    if constexpr (std::is_same_v<decltype(column), std::vector<double>&>) {
+      column.resize(bodies, 0);
+    } else {
+      column.resize(bodies, Vec3::Zero());
+    }
+  });
 }
 
 void SleepState::startAwake(std::size_t i) {
@@ -57,9 +53,7 @@ void updateSleep(const SleepOptions& options, double gravity, double dt, bool ma
     }
     state.velocity[i] += newMotion * (bodies.v[i] - state.velocity[i]);
     state.spin[i] += newMotion * (bodies.w[i] - state.spin[i]);
-    const Vec3 spin = bodies.frame[i].unrotate(state.spin[i]);
-    const double energy =
-        0.5 * (bodies.mass[i] * state.velocity[i].squaredNorm() + spin.dot(bodies.inertia[i].cwiseProduct(spin)));
+    const double energy = bodies.kineticEnergy(i, state.velocity[i], bodies.frame[i].unrotate(state.spin[i]));
     state.calm[i] = energy <= options.energy * bodies.mass[i] * gravity * 2 * size ? state.calm[i] + dt : 0;
     if (!mayFall || state.calm[i] < options.time) continue;
     const double balance = options.balance * load[i];
@@ -72,9 +66,7 @@ void updateSleep(const SleepOptions& options, double gravity, double dt, bool ma
     state.forceChange[i].setZero();
     state.torqueChange[i].setZero();
     state.load[i] = load[i];
-    const Vec3 last = bodies.frame[i].unrotate(bodies.w[i]);
-    state.energyLetGo +=
-        0.5 * (bodies.mass[i] * bodies.v[i].squaredNorm() + last.dot(bodies.inertia[i].cwiseProduct(last)));
+    state.energyLetGo += bodies.kineticEnergy(i);
     ++state.fallen;
     bodies.hold(i, BodyState::asleep);
   }

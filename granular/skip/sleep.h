@@ -34,6 +34,19 @@ struct SleepState {
   double energyLetGo = 0;                       ///< kinetic energy taken away so far, J
   std::uint64_t fallen = 0, woken = 0;          ///< events so far
 
+  /// Calls visit(name, column, unit, note) for every array with an entry per slot.
+  template <class Visitor>
+  void visitColumns(Visitor&& visit) {
+    visit("calm", calm, "s", "");
+    visit("velocity", velocity, "m/s", "mean, of a body awake");
+    visit("spin", spin, "rad/s", "mean, of a body awake");
+    visit("force", force, "N", "net, when it fell asleep");
+    visit("torque", torque, "N m", "");
+    visit("force_change", forceChange, "N", "mean, since it fell asleep");
+    visit("torque_change", torqueChange, "N m", "");
+    visit("load", load, "N", "carried when it fell asleep");
+  }
+
   /// Gives every slot its entries.
   void resize(std::size_t bodies);
   /// Of a body that wakes: it has not been slow yet.

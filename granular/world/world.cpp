@@ -118,10 +118,7 @@ std::size_t World::contactCount() const {
 
 double kineticEnergy(const Bodies& bodies) {
   double sum = 0;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Vec3 spin = bodies.frame[i].unrotate(bodies.w[i]);
-    sum += 0.5 * (bodies.mass[i] * bodies.v[i].squaredNorm() + spin.dot(bodies.inertia[i].cwiseProduct(spin)));
-  }
+  for (std::size_t i = 0; i < bodies.size(); ++i) sum += bodies.kineticEnergy(i);
   return sum;
 }
 

@@ -1,0 +1,13 @@
+// Ctrl-C and a polite kill ask a long run to write a checkpoint and end.
+#pragma once
+
+#include <csignal>
+
+/// Becomes 1 when SIGINT or SIGTERM arrives after listenForStop().
+inline volatile std::sig_atomic_t stopAsked = 0;
+
+inline void listenForStop() {
+  const auto ask = [](int) { stopAsked = 1; };
+  std::signal(SIGINT, ask);
+  std::signal(SIGTERM, ask);
+}
