@@ -9,6 +9,8 @@
 #include <ctime>
 #include <fstream>
 
+#include "demos/exit_code.h"
+#include "granular/core/errors.h"
 #include "verification/impact_scenes.h"
 
 namespace {
@@ -99,21 +101,24 @@ void studyDashpots(std::ostream& out) {
   }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int parseAndRun(int argc, char** argv) {
   CLI::App app{"Single impacts: error and run time over step, stiffness and contact-point rule."};
   std::string path;
   app.add_option("--csv", path, "write the table here")->required();
   CLI11_PARSE(app, argc, argv);
   std::ofstream out(path);
-  if (!out) {
-    std::fprintf(stderr, "impacts: can't write %s\n", path.c_str());
-    return 2;
-  }
+  require(out.good(), "can't write " + path);
   out << "case,rule,stiffness_n_per_m,steps_per_contact,error,processor_s\n";
   studySliding(out);
   studyRebounds(out);
   studyDashpots(out);
-  return out.good() ? 0 : 2;
+  out.flush();
+  require(out.good(), "can't write " + path);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return exitCodeOf("impacts", [&] { return parseAndRun(argc, argv); });
 }

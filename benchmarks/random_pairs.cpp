@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "demos/exit_code.h"
 #include "granular/core/errors.h"
 #include "stress/pair_trial.h"
 
@@ -82,13 +83,13 @@ nlohmann::json describe(const Settings& settings, const Sums& sums, double secon
   return json;
 }
 
-}  // namespace
+constexpr int exitWrong = 3;
 
-int main(int argc, char** argv) {
+int parseAndRun(int argc, char** argv) {
   Settings settings;
   CLI::App app{
-      "Random pairs of hard shapes against the exhaustive search. Exit codes: 0 all right; 1 some are wrong; 2 bad "
-      "input."};
+      "Random pairs of hard shapes against the exhaustive search. Exit codes: 0 all right; 1 bad input; "
+      "2 a problem of the program; 3 some are wrong."};
   app.add_option("--seed", settings.seed, "of the samples");
   app.add_option("--first", settings.first, "number of the first sample");
   app.add_option("--pairs", settings.pairs, "how many");
@@ -96,21 +97,20 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   app.add_option("--corners", settings.corners, "of the largest hulls; 0: without them");
   app.add_option("--json", settings.json, "write the figures here too");
-  try {
-    app.parse(argc, argv);
-    const double began = threadTime();
-    const Sums sums = run(settings);
-    const double seconds = threadTime() - began;
-    const nlohmann::json json = describe(settings, sums, seconds);
-    std::printf("%s\n", json.dump(2).c_str());
-    if (!settings.json.empty()) std::ofstream(settings.json) << json.dump(2) << "\n";
-    std::uint64_t wrong = sums.wrong;
-    for (const std::uint64_t each : sums.ruleWrong) wrong += each;
-    return wrong == 0 ? 0 : 1;
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  } catch (const InputError& e) {
-    std::fprintf(stderr, "random_pairs: %s\n", e.what());
-    return 2;
-  }
+  CLI11_PARSE(app, argc, argv);
+  const double began = threadTime();
+  const Sums sums = run(settings);
+  const double seconds = threadTime() - began;
+  const nlohmann::json json = describe(settings, sums, seconds);
+  std::printf("%s\n", json.dump(2).c_str());
+  if (!settings.json.empty()) std::ofstream(settings.json) << json.dump(2) << "\n";
+  std::uint64_t wrong = sums.wrong;
+  for (const std::uint64_t each : sums.ruleWrong) wrong += each;
+  return wrong == 0 ? 0 : exitWrong;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return exitCodeOf("random_pairs", [&] { return parseAndRun(argc, argv); });
 }

@@ -5,6 +5,8 @@
 #include <ctime>
 #include <fstream>
 
+#include "demos/exit_code.h"
+#include "granular/core/errors.h"
 #include "integrate/exact_tops.h"
 #include "rotation_rivals.h"
 
@@ -128,23 +130,26 @@ void studyAll(const Case& motion, std::ostream& out) {
   study("Bullet implicit body", BulletScheme(Mode::implicitBody), motion, out);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int parseAndRun(int argc, char** argv) {
   CLI::App app{"Rotation schemes on exact tops: error and run time over the step."};
   std::string path;
   app.add_option("--csv", path, "write the table here")->required();
   CLI11_PARSE(app, argc, argv);
   std::ofstream out(path);
-  if (!out) {
-    std::fprintf(stderr, "rotations: can't write %s\n", path.c_str());
-    return 2;
-  }
+  require(out.good(), "can't write " + path);
   out << "top,scheme,torques_per_step,dt_s,turn_per_step_rad,steps,orientation_error_rad,velocity_error,ns_per_step,"
          "run_s_per_s\n";
   studyAll(FreeCase{}, out);
   studyAll(DampedCase{}, out);
   studyAll(HeavyCase{}, out);
   studyAll(HeldCase{}, out);
-  return out.good() ? 0 : 2;
+  out.flush();
+  require(out.good(), "can't write " + path);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return exitCodeOf("rotations", [&] { return parseAndRun(argc, argv); });
 }

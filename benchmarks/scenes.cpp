@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "demos/exit_code.h"
 #include "granular/core/errors.h"
 #include "granular/shape/polyhedron.h"
 #include "granular/world/time_step.h"
@@ -94,9 +95,7 @@ void report(const Settings& settings, const World& world, double seconds) {
   if (!settings.json.empty()) std::ofstream(settings.json) << json.dump(2) << "\n";
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int parseAndRun(int argc, char** argv) {
   Settings settings;
   CLI::App app{"Times whole steps of dense scenes."};
   app.add_option("--scene", settings.scene, "cubes")->check(CLI::IsMember({"cubes"}));
@@ -110,18 +109,19 @@ int main(int argc, char** argv) {
   app.add_flag("--energy", settings.energy, "keep the energy ledger");
   app.add_option("--json", settings.json, "write the figures here too");
   CLI11_PARSE(app, argc, argv);
-  try {
-    omp_set_num_threads(settings.threads);
-    const std::unique_ptr<World> world = loadCubes(settings);
-    startHalfSteps(*world, settings.dt, 0, true);
-    for (int k = 0; k < settings.relax; ++k) step(*world, settings.dt);
-    world->report = Report{};
-    const auto began = std::chrono::steady_clock::now();
-    for (int k = 0; k < settings.steps; ++k) step(*world, settings.dt);
-    report(settings, *world, std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
-  } catch (const InputError& error) {
-    std::fprintf(stderr, "scenes: %s\n", error.what());
-    return 2;
-  }
+  omp_set_num_threads(settings.threads);
+  const std::unique_ptr<World> world = loadCubes(settings);
+  startHalfSteps(*world, settings.dt, 0, true);
+  for (int k = 0; k < settings.relax; ++k) step(*world, settings.dt);
+  world->report = Report{};
+  const auto began = std::chrono::steady_clock::now();
+  for (int k = 0; k < settings.steps; ++k) step(*world, settings.dt);
+  report(settings, *world, std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return exitCodeOf("scenes", [&] { return parseAndRun(argc, argv); });
 }

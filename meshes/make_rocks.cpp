@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 
+#include "demos/exit_code.h"
 #include "granular/core/random.h"
 #include "granular/mesh/mesh_file.h"
 
@@ -231,17 +232,20 @@ void makeAll(const std::filesystem::path& folder) {
 }  // namespace
 }  // namespace granular
 
-int main(int argc, char** argv) {
+namespace {
+
+int parseAndRun(int argc, char** argv) {
   CLI::App app("Generates the scan-like rocks of meshes/: the same files on every run.");
   std::string folder = "meshes";
   app.add_option("--out", folder, "folder to write to")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  try {
-    std::filesystem::create_directories(folder);
-    granular::makeAll(folder);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "make_rocks: %s\n", error.what());
-    return 1;
-  }
+  std::filesystem::create_directories(folder);
+  granular::makeAll(folder);
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return exitCodeOf("make_rocks", [&] { return parseAndRun(argc, argv); });
 }

@@ -95,7 +95,8 @@ inline bool liesNear(const Shape& shape, const Frame& frame, const Vec3& p, cons
     return (p - frame.x).dot(d) <= frame.rotate(shape.support(frame.unrotate(d))).dot(d) + margin;
   };
   for (int k = 0; k < 27; ++k) {
-    const Vec3 d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    const int row = k / 3 % 3, layer = k / 9;
+    const Vec3 d(k % 3 - 1, row - 1, layer - 1);
     if (d.squaredNorm() > 0 && !within(d.normalized())) return false;
   }
   return within(n) && within(-n);
