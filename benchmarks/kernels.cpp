@@ -1,17 +1,22 @@
-// Nanoseconds per call of the narrow phase: warm (a pair that creeps over its contact, cache kept) and search (the full
-// search every time), by pair of shapes. Run on an idle core; figures vary by half from machine to machine.
+// Nanoseconds per call: the narrow phase by pair of shapes, warm (a pair that creeps over its contact, cache kept) and
+// search (the full search every time); the contact-point rules; the laws; the rotation schemes; the sum of forces. Run
+// on an idle core; figures vary by half from machine to machine.
 #include <benchmark/benchmark.h>
 
 #include <memory>
 #include <vector>
 
 #include "granular/core/random.h"
+#include "granular/integrate/integrator.h"
+#include "granular/law/law.h"
 #include "granular/narrow/narrow.h"
+#include "granular/point/contact_point.h"
 #include "granular/shape/cone.h"
 #include "granular/shape/cylinder.h"
 #include "granular/shape/ellipsoid.h"
 #include "granular/shape/polyhedron.h"
 #include "granular/shape/sphere.h"
+#include "granular/world/stages.h"
 
 namespace {
 
@@ -101,7 +106,134 @@ void pairs(benchmark::internal::Benchmark* b) {
   }
 }
 
+/// placeContact by every rule that it serves, for each pair of shapes.
+void place(benchmark::State& state) {
+  RuleOptions options;
+  options.rule = static_cast<PointRule>(state.range(0));
+  const auto a = makeShape(static_cast<int>(state.range(1))), b = makeShape(static_cast<int>(state.range(2)));
+  struct Met {
+    Frame a, b;
+    Touch touch;
+  };
+  std::vector<Met> met;
+  for (const Placed& p : makeContacts(*a, *b)) {
+    Met each{Frame(p.a), Frame(p.b), {}};
+    WarmCache cache;
+    NarrowCounts counts;
+    if (findTouch(*a, each.a, *b, each.b, true, cache, counts, each.touch)) met.push_back(each);
+  }
+  ContactPatch patch;
+  std::size_t k = 0;
+  for (auto _ : state) {
+    placeContact(options, *a, met[k].a, *b, met[k].b, met[k].touch, patch);
+    benchmark::DoNotOptimize(patch);
+    if (++k == met.size()) k = 0;
+  }
+  state.SetLabel(std::string(pointRuleName(options.rule)));
+}
+void rules(benchmark::internal::Benchmark* b) {
+  b->ArgNames({"rule", "a", "b"});
+  for (const PointRule rule : {PointRule::witness, PointRule::faceCentroid, PointRule::pressureCentroid,
+                               PointRule::patch, PointRule::stiffPatch, PointRule::foundation}) {
+    for (int i = 0; i < 6; ++i) {
+      for (int j = i; j < 6; ++j) b->Args({static_cast<int>(rule), i, j});
+    }
+  }
+}
+
+/// One contact's law, of a point (area 0) and of a patch.
+void law(benchmark::State& state) {
+  const auto kind = static_cast<LawKind>(state.range(0));
+  const bool hasArea = state.range(1) != 0;
+  ContactParameters parameters;
+  setElasticity({1e9, 0.3}, {1e9, 0.3}, parameters);
+  const LawConstants constants = prepareLaw(parameters);
+  const LawOptions options;
+  Random random(3);
+  struct Case {
+    ContactBody a, b;
+    ContactMotion motion;
+    ContactHistory history;
+  };
+  std::vector<Case> cases(256);
+  for (Case& c : cases) {
+    const Vec3 n = random.direction();
+    for (ContactBody* body : {&c.a, &c.b}) {
+      body->inverseMass = 3e4;
+      body->radiusRatio = 7e4;
+      body->arm = (body == &c.a ? 1.5e-3 : -1.5e-3) * n + 1e-4 * random.direction();
+      body->inverseInertia = 3e10 * Mat3::Identity();
+    }
+    ContactMotion& m = c.motion;
+    m.normal = n;
+    m.overlap = 1e-6;
+    m.squaredDepth = 1e-12;
+    m.velocity = 1e-3 * random.direction();
+    m.slip = 1e-9 * random.direction();
+    m.spin = random.direction();
+    m.meanSpin = random.direction();
+    m.dt = 1e-6;
+    m.radius = 1e-3;
+    m.u = perpendicular(n);
+    m.centreArm = hasArea ? Vec3(1e-4 * m.u) : Vec3(Vec3::Zero());
+    m.area = hasArea ? 1e-6 : 0;
+    m.uu = m.vv = hasArea ? 1e-7 : 0;
+  }
+  const Law function = lawFunction(kind);
+  ContactForce out;
+  std::size_t k = 0;
+  for (auto _ : state) {
+    Case& c = cases[k];
+    function(constants, options, c.a, c.b, c.motion, c.history, out);
+    benchmark::DoNotOptimize(out);
+    if (++k == cases.size()) k = 0;
+  }
+  state.SetLabel(std::string(lawName(kind)));
+}
+
+/// Prediction and advance of one body's rotation.
+void rotate(benchmark::State& state) {
+  const RotationScheme& scheme = rotationScheme(static_cast<SchemeKind>(state.range(0)));
+  constexpr double dt = 1e-6;
+  Random random(4);
+  const Vec3 inertia(1, 2, 3), inverse = inertia.cwiseInverse(), torque = random.direction();
+  Quat q = random.rotation(), qHalf = q;
+  Vec3 w = random.direction(), wHalf = w, alpha = Vec3::Zero();
+  for (auto _ : state) {
+    scheme.predict(dt, qHalf, wHalf, alpha, q, w);
+    scheme.advance(dt, inertia, inverse, torque, q, w, {qHalf, wHalf, alpha});
+    benchmark::DoNotOptimize(qHalf);
+  }
+  state.SetLabel(std::string(scheme.name));
+}
+
+/// A stage of the step on a cubic lattice of 20^3 spheres that just overlap: ns per contact.
+void stage(benchmark::State& state, void (*run)(World&)) {
+  MaterialTable materials;
+  materials.add("grain", ContactParameters{});
+  World world({}, std::move(materials));
+  world.addShape(std::make_shared<Sphere>(1.5e-3));
+  constexpr int side = 20;
+  for (int k = 0; k < side * side * side; ++k) {
+    NewBody body;
+    body.pose.x = 2.99e-3 * Vec3(k % side, k / side % side, k / side / side);
+    world.addBody(body);
+  }
+  startHalfSteps(world, 1e-6, 0, true);
+  for (auto _ : state) run(world);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(world.contactCount()));
+}
+void gather(benchmark::State& state) { stage(state, gatherForces); }
+void allContacts(benchmark::State& state) {
+  stage(state, [](World& world) { makeContacts(1e-6, world); });
+}
+
 BENCHMARK(warm)->Apply(pairs);
 BENCHMARK(search)->Apply(pairs);
+BENCHMARK(place)->Apply(rules);
+BENCHMARK(law)->ArgNames({"kind", "patch"})->ArgsProduct({{0, 1, 2, 3, 4}, {0, 1}});
+BENCHMARK(rotate)->ArgName("scheme")->Arg(0)->Arg(1);
+BENCHMARK(gather);
+BENCHMARK(allContacts);
 
 }  // namespace
