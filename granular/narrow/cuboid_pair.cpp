@@ -2,6 +2,7 @@
 // (Gottschalk, Lin and Manocha 1996), so that the search is exact and short, apart or touching. Warm, the last axis
 // alone is looked at, verified as for all polyhedra (polyhedron_features.h).
 #include <algorithm>
+#include <array>
 
 #include "granular/core/tolerances.h"
 #include "granular/narrow/kernels.h"
@@ -29,9 +30,48 @@ double depthAlongAxis(const Boxes& p, const Vec3& n) {
   return p.a.dot(n.cwiseAbs()) + p.b.dot(p.frame.unrotate(n).cwiseAbs()) - n.dot(p.frame.x);
 }
 
+/// The middle of the part of a segment or rectangle (free: its half edges, parallel to the face across axis i) about
+/// `centre` that lies above that face of the box with half-lengths a grown by the tie; false if there is none.
+bool findCommonMiddle(const Vec3& a, int i, const Vec3& centre, const std::array<Vec3, 2>& free, int edges, double tie,
+                      Vec3& middle) {
+  const int k = i == 2 ? 0 : i + 1, l = 3 - i - k;
+  std::array<Vec3, 12> corners, kept;
+  int count = 0;
+  if (edges == 1) {
+    corners[0] = centre - free[0];
+    corners[1] = centre + free[0];
+    count = 2;
+  } else {
+    corners[0] = centre - free[0] - free[1];
+    corners[1] = centre + free[0] - free[1];
+    corners[2] = centre + free[0] + free[1];
+    corners[3] = centre - free[0] + free[1];
+    count = 4;
+  }
+  // Clipped by the face's four edges (Sutherland and Hodgman 1974); each adds a corner at most.
+  for (int side = 0; side < 4 && count > 0; ++side) {
+    const int axis = side < 2 ? k : l;
+    const double sign = side % 2 ? 1 : -1, bound = a[axis] + tie;
+    const auto inside = [&](const Vec3& p) { return bound - sign * p[axis]; };
+    int number = 0;
+    for (int n = 0; n < count; ++n) {
+      const Vec3 &p = corners[n], &q = corners[n + 1 < count ? n + 1 : 0];
+      const double dp = inside(p), dq = inside(q);
+      if (dp >= 0) kept[number++] = p;
+      if ((dp >= 0) != (dq >= 0)) kept[number++] = p + (q - p) * (dp / (dp - dq));
+    }
+    corners = kept;
+    count = number;
+  }
+  if (count == 0) return false;
+  middle.setZero();
+  for (int n = 0; n < count; ++n) middle += corners[n] / count;
+  return true;
+}
+
 /// The face across axis i of the box with half-lengths a, on the side of the other box, which has half-lengths b and
 /// lies at `frame`. Axes parallel to the face within the tie leave the deepest point free along them: it is taken
-/// nearest to the middle of the face, which lies within it whenever any vertex or crossing edge does.
+/// nearest to the middle of the face, and where that lies beyond the face's rim, in the middle of what lies above it.
 FeatureCheck checkBoxFace(const Vec3& a, const Vec3& b, const Frame& frame, int i, double tie) {
   const double side = frame.x[i] < 0 ? -1 : 1;
   Vec3 p = frame.x;
@@ -42,16 +82,22 @@ FeatureCheck checkBoxFace(const Vec3& a, const Vec3& b, const Frame& frame, int 
     if (2 * b[j] * std::abs(slope) <= tie) continue;
     p -= (side * slope < 0 ? -b[j] : b[j]) * frame.R.col(j);
   }
+  const Vec3 centre = p;
+  std::array<Vec3, 2> free;
+  int edges = 0;
   for (int j = 0; j < 3; ++j) {
     if (2 * b[j] * std::abs(frame.R(i, j)) > tie) continue;
     Vec3 along = frame.R.col(j);
     along[i] = 0;
     p -= std::clamp(along.dot(p), -b[j], b[j]) * along;
+    if (edges < 2) free[edges++] = b[j] * along;
   }
 
   FeatureCheck out;
   const int k = i == 2 ? 0 : i + 1, l = 3 - i - k;
-  const double margin = std::min(a[k] - std::abs(p[k]), a[l] - std::abs(p[l]));
+  const auto marginOf = [&](const Vec3& q) { return std::min(a[k] - std::abs(q[k]), a[l] - std::abs(q[l])); };
+  double margin = marginOf(p);
+  if (margin < -tie && edges > 0 && findCommonMiddle(a, i, centre, free, edges, tie, p)) margin = marginOf(p);
   out.holds = margin >= -tie;
   out.margin = std::max(0.0, margin);
   out.minimum.normal = side * Vec3::Unit(i);
@@ -160,6 +206,23 @@ FeatureCheck checkAxis(const Boxes& p, WarmCache::Kind kind, int i, int j) {
   return checkEdges(p, i, j);
 }
 
+/// Where the least axis is a face that no corner or edge lies above, another is as shallow within the tie and has its
+/// deepest points in place: boxes tilted against each other by hardly more than round-off. Receives it, if there is
+/// one.
+void findHoldingAxis(const Boxes& p, Axis& best, FeatureCheck& found) {
+  for (const auto kind : {WarmCache::edgePair, WarmCache::faceOfA, WarmCache::faceOfB}) {
+    for (int i = 0; i < (kind == WarmCache::faceOfB ? 1 : 3); ++i) {
+      for (int j = 0; j < (kind == WarmCache::faceOfA ? 1 : 3); ++j) {
+        const FeatureCheck check = checkAxis(p, kind, i, j);
+        if (!check.holds || !(check.minimum.depth <= best.depth + p.tie)) continue;
+        best = {kind, i, j, check.minimum.depth};
+        found = check;
+        return;
+      }
+    }
+  }
+}
+
 /// The corner of a cuboid furthest along d: sign bits.
 std::int32_t cornerAlong(const Vec3& d) { return (d.x() > 0) + 2 * (d.y() > 0) + 4 * (d.z() > 0); }
 
@@ -219,9 +282,10 @@ bool touchCuboids(const PairView& view, WarmCache& cache, NarrowCounts& counts, 
   // All fifteen axes.
   ++counts.searches;
   if (cache.kind == WarmCache::cold) ++counts.cold;
-  const Axis best = findLeastAxis(p);
-  const FeatureCheck found = checkAxis(p, best.kind, best.i, best.j);
-  if (!(best.depth > 0)) return reportApart(found.minimum.normal, -best.depth, cache);
+  Axis best = findLeastAxis(p);
+  FeatureCheck found = checkAxis(p, best.kind, best.i, best.j);
+  if (!found.holds && best.depth > 0) findHoldingAxis(p, best, found);
+  if (!(found.minimum.depth > 0)) return reportApart(found.minimum.normal, -found.minimum.depth, cache);
 
   // A contact is born with Bullet's proposal, checked against the least of the fifteen.
   if (!cache.touched) {

@@ -11,6 +11,12 @@ constexpr int maxSteps = 40;
 /// precision over it, and smooth surfaces converge by about this factor per step.
 constexpr double stepGap = 1e-2;
 
+/// How far the two points lie from being opposite each other along the normal, squared, m^2.
+double offset2(const Vec3& onA, const Vec3& onB, const Vec3& normal) {
+  const Vec3 w = onA - onB;
+  return (w - w.dot(normal) * normal).squaredNorm();
+}
+
 /// Moves the two points along the normal so that they are the overlap apart, exactly.
 void holdApart(LocalMinimum& m) {
   const Vec3 middle = 0.5 * (m.onA + m.onB);
@@ -45,8 +51,9 @@ LocalMinimum descend(Difference& c, const Vec3& start) {
     const double depth = n.dot(p) - nearest.gap;
     const double turn = (n - out.normal).norm();
     if (!(depth <= out.depth)) {
-      // No progress beyond round-off: the direction stays, its witness points are the better ones of the search.
-      if (turn < 1e-6) {
+      // No progress beyond round-off: the direction stays. Where it supports a line or a face, any point of which may
+      // be the support point, those of the search lie opposite each other.
+      if (offset2(nearest.onA, nearest.onB, out.normal) < offset2(out.onA, out.onB, out.normal)) {
         out.onA = nearest.onA;
         out.onB = nearest.onB;
       }

@@ -196,6 +196,18 @@ bool meetsWhereMinimaAreMany(double depth, double lower, double size) {
   return depth - lower <= (deep ? tolerance::deepCertificate : tolerance::coaxialCertificate) * depth;
 }
 
+/// The lower bound by polytopes that begin elsewhere: of bodies a hundredfold apart in size, one that began across the
+/// contact may have facets so long and thin that round-off ends it.
+double boundFromElsewhere(Difference& c, const LocalMinimum& found, double tolerance, double reached) {
+  const Vec3 u = perpendicular(found.normal), v = found.normal.cross(u);
+  for (int k = 0; k < 12 && !(found.depth - reached <= tolerance); ++k) {
+    const double azimuth = 2.4 * k;  // the golden angle: no two alike
+    const Vec3 start = (std::cos(azimuth) * u + std::sin(azimuth) * v + 0.25 * (k - 5) * found.normal).normalized();
+    reached = std::max(reached, boundOverlap(c, start, found.depth, tolerance).lower);
+  }
+  return reached;
+}
+
 }  // namespace
 
 SearchResult searchConvex(Difference& c, const Vec3& guess, const PenetrationAnswer* proposal, NarrowCounts& counts) {
@@ -227,6 +239,8 @@ SearchResult searchConvex(Difference& c, const Vec3& guess, const PenetrationAns
     out.minimum = settleFromEverywhere(c, out.minimum);
     replaced = replaced || out.minimum.depth < before - tolerance;
     lower = boundByCores(c, out.minimum, tolerance, lower);
+    if (!meetsWhereMinimaAreMany(out.minimum.depth, lower, c.size()))
+      lower = boundFromElsewhere(c, out.minimum, tolerance, lower);
     certified = out.minimum.depth - lower <= tolerance;
   }
   out.apart = !(out.minimum.depth > 0);

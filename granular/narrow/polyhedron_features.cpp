@@ -128,22 +128,23 @@ FeatureCheck checkEdges(const PolyhedronTables& a, std::int32_t edgeA, const Pol
   const double side = cross.dot(leftA + rightA) < 0 ? -1 : 1;
   const Vec3 n = cross * (side / area);
 
-  // Both edges support: n lies between the normals of A's two faces, and -n between those of B's.
-  constexpr double angular = 1e-12;
-  auto liesBetween = [](const Vec3& m, const Vec3& left, const Vec3& right) {
-    const double cosine = left.dot(right), l = m.dot(left), r = m.dot(right);
-    return l >= cosine * r - angular && r >= cosine * l - angular && l + r > 0;
+  // Both edges support: n lies between the normals of A's two faces, and -n between those of B's. Asked of the slope
+  // across each face from the edge on, which keeps its digits where the two faces are nearly one.
+  constexpr double angular = 1e-14;
+  const auto supports = [](const PolyhedronTables& t, const PolyhedronTables::Edge& e, const Vec3& edge, double length,
+                           const Vec3& m) {
+    const Vec3& left = t.faces[static_cast<std::size_t>(e.faceLeft)].normal;
+    const Vec3& right = t.faces[static_cast<std::size_t>(e.faceRight)].normal;
+    return m.dot(left.cross(edge)) <= angular * length && m.dot(edge.cross(right)) <= angular * length &&
+           m.dot(left) + m.dot(right) > 0;
   };
-  if (!liesBetween(n, leftA, rightA)) return out;
-  if (!liesBetween(-frame.unrotate(n), b.faces[static_cast<std::size_t>(eb.faceLeft)].normal,
-                   b.faces[static_cast<std::size_t>(eb.faceRight)].normal)) {
-    return out;
-  }
+  const double lengthA = std::sqrt(uu), lengthB = std::sqrt(vv);
+  if (!supports(a, ea, u, lengthA, n)) return out;
+  if (!supports(b, eb, vertexOf(b, eb.b) - vertexOf(b, eb.a), lengthB, -frame.unrotate(n))) return out;
 
   // The closest points of the two lines, as fractions of the edges.
   const Vec3 w = startA - startB;
   const double s = -side * w.cross(v).dot(n) / area, t = -side * w.cross(u).dot(n) / area;
-  const double lengthA = std::sqrt(uu), lengthB = std::sqrt(vv);
   const double insideA = std::min(s, 1 - s), insideB = std::min(t, 1 - t);
   out.holds = insideA * lengthA >= -tie && insideB * lengthB >= -tie;
   out.margin = std::max(0.0, area * std::min(insideA / lengthB, insideB / lengthA));

@@ -23,12 +23,30 @@ void turnOver(Polygon& polygon) {
   for (int k = 0, last = polygon.count - 1; k < last; ++k, --last) std::swap(polygon[k], polygon[last]);
 }
 
-/// The centroid of the two features' intersection; false where they miss each other by round-off.
+/// How far x lies outside the feature, m; 0 inside. Of a polygon: outside one of its edges.
+double distanceOutside(const Polygon& feature, const Vec2& x) {
+  if (feature.count == 1) return (x - feature[0]).norm();
+  if (feature.count == 2) {
+    const Vec2 along = feature[1] - feature[0];
+    const double share = along.dot(x - feature[0]) / along.squaredNorm();
+    return (x - feature[0] - std::clamp(share, 0.0, 1.0) * along).norm();
+  }
+  double farthest = 0;
+  for (int k = 0; k < feature.count; ++k) {
+    const Linear left = findLeftSide(feature[k], feature[feature.next(k)]);
+    const double length = left.slope.norm();
+    if (length > 0) farthest = std::max(farthest, -left.at(x) / length);
+  }
+  return farthest;
+}
+
+/// The centroid of the two features' intersection; false where they miss each other by more than the lateral distance:
+/// an edge that the normal is across but for its rounding may leave one of its ends alone in a thin slab.
 bool findCentroid(const Polygon& a, const Polygon& b, double lateral, Vec2& out) {
   // A point, the point of a point.
   if (a.count == 1 || b.count == 1) {
     out = a.count == 1 ? a[0] : b[0];
-    return true;
+    return distanceOutside(a.count == 1 ? b : a, out) <= lateral;
   }
 
   // A segment, its middle.

@@ -75,7 +75,7 @@ PrincipalAxes principalAxes(const Mat3& inertia) {
   if (!(scale > 0)) return {};
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(symmetric / scale);
   const Vec3 moments = solver.eigenvalues() * scale;  // ascending
-  const Mat3 v = solver.eigenvectors();
+  const Mat3& v = solver.eigenvectors();
 
   const double tie = tolerance::equalMoments * moments[2];
   const bool low = moments[1] - moments[0] <= tie;

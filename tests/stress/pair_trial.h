@@ -45,7 +45,8 @@ inline void tryRules(const PairSample& pair, const Frame& frameA, const Frame& f
     ContactPatch patch;
     placeContact({rule}, *pair.a, frameA, *pair.b, frameB, touch, patch);
     std::string& fault = out.ruleFaults[static_cast<std::size_t>(rule)];
-    if (fault.empty()) fault = judgePatch(pair, frameA, frameB, touch, patch);
+    if (fault.empty())
+      fault = judgePatch(pair, frameA, frameB, touch, patch, rule == PointRule::stiffPatch ? besidePatch : 0);
   }
   // Bullet's manifold: every point a contact that penetrates, the shares making up one.
   Manifold manifold;
