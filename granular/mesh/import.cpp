@@ -1,6 +1,7 @@
 #include "granular/mesh/import.h"
 
 #include <assimp/BaseImporter.h>
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/importerdesc.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -70,6 +71,30 @@ void unregisterOtherLoaders(Assimp::Importer& importer) {
   }
 }
 
+// What a loader may open: the mesh itself, and what lies beside or below it where the format keeps numbers in files of
+// their own (glTF's buffers). A material library, which OBJ names, is not even looked for.
+class MeshFolder final : public Assimp::DefaultIOSystem {
+ public:
+  MeshFolder(const std::string& path, MeshFormat format)
+      : mesh(std::filesystem::weakly_canonical(path)), hasBuffers(format == MeshFormat::gltf) {}
+
+  bool Exists(const char* file) const override { return mayOpen(file) && DefaultIOSystem::Exists(file); }
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    // Reading only.
+    return mode[0] == 'r' && mayOpen(file) ? DefaultIOSystem::Open(file, "rb") : nullptr;
+  }
+
+ private:
+  bool mayOpen(const char* file) const {
+    std::error_code error;
+    const std::filesystem::path asked = std::filesystem::weakly_canonical(file, error);
+    return !error && (asked == mesh || (hasBuffers && isBelow(asked, mesh.parent_path())));
+  }
+
+  std::filesystem::path mesh;
+  bool hasBuffers;
+};
+
 // Appends the meshes of a node and of all nodes below it, placed by the transformations on the way.
 void collect(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& parent, RawMesh& out) {
   Eigen::Matrix4d local;
@@ -110,13 +135,20 @@ void sendFailure(int pipe, const std::string& message) {
   writeAll(pipe, message.data(), message.size());
 }
 
-void loadAndSend(const std::string& path, int pipe) try {
+// Everything the loader finds; throws std::runtime_error with the loader's reason.
+RawMesh load(const std::string& path, MeshFormat format) {
   Assimp::Importer importer;
   unregisterOtherLoaders(importer);
+  importer.SetIOHandler(new MeshFolder(path, format));  // the importer owns it
   const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
-  if (scene == nullptr || scene->mRootNode == nullptr) return sendFailure(pipe, importer.GetErrorString());
+  if (scene == nullptr || scene->mRootNode == nullptr) throw std::runtime_error(importer.GetErrorString());
   RawMesh mesh;
   collect(*scene, *scene->mRootNode, Eigen::Matrix4d::Identity(), mesh);
+  return mesh;
+}
+
+void loadAndSend(const std::string& path, MeshFormat format, int pipe) try {
+  const RawMesh mesh = load(path, format);
   Announcement announcement;
   announcement.vertices = static_cast<std::int64_t>(mesh.vertices.size());
   announcement.triangles = static_cast<std::int64_t>(mesh.triangles.size());
@@ -154,7 +186,8 @@ void limitChild(std::int64_t memoryBytes, double seconds) {
 // The child and the reading end of its pipe; killed and waited for whatever happens.
 class Child {
  public:
-  Child(const std::string& path, std::int64_t memoryBytes, double seconds) : clockLimit(2 * seconds) {
+  Child(const std::string& path, MeshFormat format, std::int64_t memoryBytes, double seconds)
+      : clockLimit(2 * seconds) {
     std::array<int, 2> ends{};
     require(::pipe(ends.data()) == 0, "mesh " + path + ": no pipe to the importer: " + std::strerror(errno));
     std::fflush(nullptr);
@@ -166,7 +199,7 @@ class Child {
         ::_exit(3);
       for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL}) ::signal(signal, SIG_DFL);
       limitChild(memoryBytes, seconds);
-      loadAndSend(path, ends[1]);
+      loadAndSend(path, format, ends[1]);
       ::_exit(0);
     }
     ::close(ends[1]);
@@ -228,43 +261,77 @@ class Child {
 
 }  // namespace
 
-RawMesh importMesh(const std::string& path, const ImportLimits& limits) {
-  const MeshHeader header = checkMeshHeader(path);
-  const std::int64_t automatic = std::min((std::int64_t{512} << 20) + 64 * header.bytes, std::int64_t{8} << 30);
-  Child child(path, limits.memoryBytes > 0 ? limits.memoryBytes : automatic, limits.seconds);
-  const auto fail = [&](const std::string& reason) { throw InputError("mesh " + path + ": " + reason); };
+namespace {
 
-  // The child's word on what follows; counts are bounded before memory is taken for them.
+[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
+  throw InputError("mesh " + path + ": " + reason);
+}
+
+[[noreturn]] void refuseUnreadable(const std::string& path, const MeshHeader& header, const std::string& reason) {
+  refuse(path, "is not a readable " + formatName(header.format) + " mesh: " + reason);
+}
+
+// What the loader found against what the file announces, before memory is taken for it.
+void checkCounts(const std::string& path, const MeshHeader& header, const Announcement& found) {
+  if (found.triangles == 0) refuse(path, "is empty: no triangle");
+  // A face gives one triangle at least, or is a point or a line: fewer means that the loader stopped early.
+  if (found.triangles + found.otherPrimitives < header.faces) {
+    refuse(path, "is truncated or malformed: it announces " + std::to_string(header.faces) + " faces, and only " +
+                     std::to_string(found.triangles) + " triangles could be read");
+  }
+  if (found.vertices < 0 || found.vertices > maxMeshVertices || found.triangles < 0 || found.triangles > maxMeshFaces) {
+    refuse(path,
+           "is too big: " + std::to_string(found.triangles) + " triangles; at most " + std::to_string(maxMeshFaces));
+  }
+}
+
+RawMesh loadInChild(const std::string& path, const MeshHeader& header, const ImportLimits& limits) {
+  const std::int64_t automatic = std::min((std::int64_t{512} << 20) + 64 * header.bytes, std::int64_t{8} << 30);
+  Child child(path, header.format, limits.memoryBytes > 0 ? limits.memoryBytes : automatic, limits.seconds);
+
   Announcement announcement;
-  if (!child.read(&announcement, sizeof announcement)) fail(child.finish());
+  if (!child.read(&announcement, sizeof announcement)) refuse(path, child.finish());
   if (announcement.failed != 0) {
     std::string message(static_cast<std::size_t>(std::clamp<std::int64_t>(announcement.messageBytes, 0, 4096)), '\0');
     if (!child.read(message.data(), message.size())) message = "unknown";
-    fail("is not a readable " + formatName(header.format) + " mesh: " + message);
+    refuseUnreadable(path, header, message);
   }
-  if (announcement.triangles == 0) fail("is empty: no triangle");
-  // A face gives one triangle at least, or is a point or a line: fewer means that the loader stopped early.
-  if (announcement.triangles + announcement.otherPrimitives < header.faces) {
-    fail("is truncated or malformed: it announces " + std::to_string(header.faces) + " faces, and only " +
-         std::to_string(announcement.triangles) + " triangles could be read");
-  }
-  if (announcement.vertices > maxMeshVertices || announcement.triangles > maxMeshFaces) {
-    fail("is too big: " + std::to_string(announcement.triangles) + " triangles; at most " +
-         std::to_string(maxMeshFaces));
-  }
-
+  checkCounts(path, header, announcement);
   RawMesh mesh;
   mesh.vertices.resize(static_cast<std::size_t>(announcement.vertices));
   mesh.triangles.resize(static_cast<std::size_t>(announcement.triangles));
+  mesh.otherPrimitives = announcement.otherPrimitives;
   if (!child.read(mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3)) ||
       !child.read(mesh.triangles.data(), mesh.triangles.size() * sizeof(std::array<int, 3>))) {
-    fail(child.finish());
+    refuse(path, child.finish());
   }
+  return mesh;
+}
+
+RawMesh loadHere(const std::string& path, const MeshHeader& header) {
+  RawMesh mesh;
+  try {
+    mesh = load(path, header.format);
+  } catch (const std::exception& error) {
+    refuseUnreadable(path, header, error.what());
+  }
+  Announcement found;
+  found.vertices = static_cast<std::int64_t>(mesh.vertices.size());
+  found.triangles = static_cast<std::int64_t>(mesh.triangles.size());
+  found.otherPrimitives = mesh.otherPrimitives;
+  checkCounts(path, header, found);
+  return mesh;
+}
+
+}  // namespace
+
+RawMesh importMesh(const std::string& path, const ImportLimits& limits) {
+  const MeshHeader header = checkMeshHeader(path);
+  RawMesh mesh = limits.inChild ? loadInChild(path, header, limits) : loadHere(path, header);
   mesh.format = header.format;
   mesh.bytes = header.bytes;
   mesh.perCorner = header.format == MeshFormat::stl || header.format == MeshFormat::obj;
   mesh.file = header.file;
-  mesh.otherPrimitives = announcement.otherPrimitives;
   return mesh;
 }
 

@@ -1,8 +1,8 @@
 // Triangles from a mesh file, through assimp in a limited child process.
 // assimp allocates by what a file claims and crashes on some malformed ones: so the counts are checked first
-// (mesh_header.h), only the loaders of the supported formats stay registered, and the loader runs in a forked child
-// with bounds on memory and time. The child sends plain numbers through a pipe; whatever happens to it, the caller gets
-// triangles or an InputError.
+// (mesh_header.h), only the loaders of the supported formats stay registered, the loader sees no file but the mesh and,
+// for glTF, buffers beside or below it, and it runs in a forked child with bounds on memory and time. The child sends
+// plain numbers through a pipe; whatever happens to it, the caller gets triangles or an InputError.
 #pragma once
 
 #include <array>
@@ -30,6 +30,8 @@ struct RawMesh {
 
 /// Bounds of the child process.
 struct ImportLimits {
+  /// false: the loader runs in this process, without bounds, and takes it down with itself. For debuggers and fuzzers.
+  bool inChild = true;
   std::int64_t memoryBytes =
       0;                ///< beyond what the parent holds; 0: 512 MiB and 64 bytes per byte of the file, at most 8 GiB
   double seconds = 60;  ///< of processor time, and twice as many by the clock

@@ -317,8 +317,13 @@ std::int64_t bufferBytes(const std::string& path, const Json& buffer, std::int64
   if (!uri->is_string()) refuse(path, "glTF buffer address is no text");
   const std::string address = uri->get<std::string>();
   if (address.rfind("data:", 0) == 0) return static_cast<std::int64_t>(address.size());
+  // No file elsewhere, whoever wrote the mesh: not up and out of the folder, not by an absolute path, not by a link.
   std::error_code error;
-  const auto bytes = std::filesystem::file_size(std::filesystem::path(path).parent_path() / address, error);
+  const auto folder = std::filesystem::weakly_canonical(path).parent_path();
+  const auto file = std::filesystem::weakly_canonical(folder / address, error);
+  if (error || !isBelow(file, folder)) refuse(path, "glTF buffer file '" + address + "' is outside the mesh's folder");
+  if (!std::filesystem::is_regular_file(file, error)) refuse(path, "glTF buffer file '" + address + "' is missing");
+  const auto bytes = std::filesystem::file_size(file, error);
   if (error) refuse(path, "glTF buffer file '" + address + "' is missing");
   return static_cast<std::int64_t>(bytes);
 }
@@ -381,6 +386,10 @@ void checkGltf(const std::string& path, MeshHeader& header) {
 std::string formatName(MeshFormat format) {
   static const std::array<const char*, 6> names = {"OBJ", "STL", "PLY", "OFF", "glTF", "GLB"};
   return names[static_cast<std::size_t>(format)];
+}
+
+bool isBelow(const std::filesystem::path& file, const std::filesystem::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
 }
 
 MeshHeader checkMeshHeader(const std::string& path) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -37,7 +38,10 @@ inline constexpr std::int64_t maxMeshVertices = 3 * maxMeshFaces;
 
 /// Reads the header (OBJ: the whole text) and checks it. Throws InputError naming the file and the reason: missing, not
 /// a file, empty, too big, unsupported format, not a mesh at all, truncated, counts that the file cannot hold, indices
-/// out of range.
+/// out of range, glTF buffers outside the mesh's folder.
 MeshHeader checkMeshHeader(const std::string& path);
+
+/// True if a file lies in a folder or below it. Both canonical.
+bool isBelow(const std::filesystem::path& file, const std::filesystem::path& folder);
 
 }  // namespace granular

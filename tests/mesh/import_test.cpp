@@ -2,6 +2,7 @@
 
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <sys/stat.h>
 
 #include <assimp/Exporter.hpp>
 #include <assimp/Importer.hpp>
@@ -165,9 +166,71 @@ TEST(Import, LoaderOutOfMemoryOrTimeIsAnInputErrorNotACrash) {
   const std::string path = scratchFile("ball.obj");
   writeMesh(path, makeBall(6));
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  EXPECT_THROW(importMesh(path, {1 << 20, 60}), InputError);
+  EXPECT_THROW(importMesh(path, {true, 1 << 20, 60}), InputError);
 #endif
-  EXPECT_THROW(importMesh(path, {0, 1e-4}), InputError);
+  EXPECT_THROW(importMesh(path, {true, 0, 1e-4}), InputError);
+}
+
+TEST(Import, InThisProcessIsTheSameAsInAChild) {
+  for (const char* name : {"ball.obj", "ball.ply", "ball.off", "ball.stl"}) {
+    const std::string path = scratchFile(name);
+    writeMesh(path, makeBall(2, 0.05));
+    const RawMesh child = importMesh(path), here = importMesh(path, {false, 0, 60});
+    EXPECT_EQ(child.vertices, here.vertices) << name;
+    EXPECT_EQ(child.triangles, here.triangles) << name;
+  }
+}
+
+/// A glTF triangle whose numbers lie in a file of that address.
+std::string makeGltf(const std::string& address) {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+         R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+         R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],)"
+         R"("bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":")" +
+         address + "\"}]}";
+}
+
+TEST(Import, NoFileOutsideTheMeshsFolderIsRead) {
+  namespace fs = std::filesystem;
+  const fs::path outside = fs::path(scratchFile("x")).parent_path(), inside = outside / "inside";
+  fs::create_directories(inside / "deeper");
+  const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  const std::string numbers(reinterpret_cast<const char*>(corners), sizeof corners);
+  for (const fs::path& place : {outside, inside, inside / "deeper"})
+    std::ofstream(place / "numbers.bin", std::ios::binary) << numbers;
+  fs::remove(inside / "link.bin");
+  fs::create_symlink(outside / "numbers.bin", inside / "link.bin");
+  const auto write = [&](const std::string& address) { return writeBytes("inside/a.gltf", makeGltf(address)); };
+
+  EXPECT_EQ(importMesh(write("numbers.bin")).triangles.size(), 1u);
+  EXPECT_EQ(importMesh(write("deeper/numbers.bin")).triangles.size(), 1u);
+  EXPECT_EQ(importMesh(write("deeper/../numbers.bin")).triangles.size(), 1u);
+  for (const std::string& address :
+       {std::string("../numbers.bin"), std::string("deeper/../../numbers.bin"), (outside / "numbers.bin").string(),
+        std::string("link.bin"), std::string("/dev/zero"), std::string("file:///etc/passwd")}) {
+    const std::string message = refusalOf(write(address));
+    const bool named = message.find("outside the mesh's folder") != std::string::npos ||
+                       message.find("is missing") != std::string::npos;
+    EXPECT_TRUE(named && message.find(address) != std::string::npos) << message;
+  }
+  // A pipe that nobody writes into would hold a loader up for ever.
+  const fs::path pipe = inside / "pipe.bin";
+  fs::remove(pipe);
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  expectRefused(write("pipe.bin"), "is missing");
+}
+
+TEST(Import, MaterialLibrariesAreNotLookedFor) {
+  namespace fs = std::filesystem;
+  // Opening it for reading would wait for a writer until the loader's time is over.
+  const fs::path pipe = scratchFile("colours.mtl");
+  fs::remove(pipe);
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& library : {pipe.filename().string(), pipe.string(), "../" + pipe.filename().string()}) {
+    const std::string path =
+        writeBytes("coloured.obj", "mtllib " + library + "\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    EXPECT_EQ(importMesh(path, {true, 0, 2}).triangles.size(), 1u) << library;
+  }
 }
 
 TEST(Import, NonFiniteVerticesAreRefusedWithTheirCount) {
