@@ -4,14 +4,15 @@
 usage: study_stacks.py --stack build/release/demos/stack --out DIR [--set rules|sharpness|steps|stiffness|starts|all]
        [--time T] [--jobs N]
 
-Each run writes DIR/<name>.json; a run whose file is there is not done again, so a study that was stopped goes on where
-it was. A tower that falls ends its run. plots/plot_stacks.py makes tables and plots of the folder.
+Each run writes DIR/<name>.json and keeps its checkpoints in DIR/<name>.checkpoints until it is done. A run whose file
+is there is not done again, and one that was stopped is resumed, so a study that was stopped goes on where it was. A tower that falls ends its run. plots/plot_stacks.py makes tables and plots of the folder.
 Exit codes: 0 all runs done; 1 a run could not be made.
 """
 
 import argparse
 import concurrent.futures
 import os
+import shutil
 import subprocess
 import sys
 
@@ -53,17 +54,23 @@ def make(run, options):
     target = os.path.join(options.out, name_of(run) + ".json")
     if os.path.exists(target):
         return True
-    words = [options.stack, "--skip", "--time", str(options.time), "--sample", "0.01", "--json", target]
-    for key, value in run.items():
-        if value is True:
-            words.append(f"--{key}")
-        elif value is not False:
-            words += [f"--{key}", str(value)]
+    kept = os.path.join(options.out, name_of(run) + ".checkpoints")
+    words = [options.stack, "--time", str(options.time), "--json", target]
+    if os.path.exists(os.path.join(kept, "checkpoint.h5")):
+        words += ["--resume", kept]
+    else:
+        words += ["--skip", "--sample", "0.01", "--checkpoints", kept]
+        for key, value in run.items():
+            if value is True:
+                words.append(f"--{key}")
+            elif value is not False:
+                words += [f"--{key}", str(value)]
     done = subprocess.run(words, capture_output=True, text=True)
     if done.returncode != 0:
         # A step above the bound is an answer too.
         print(f"{name_of(run)}: {done.stderr.strip()}", file=sys.stderr, flush=True)
         return "is above" in done.stderr
+    shutil.rmtree(kept, ignore_errors=True)
     print(f"{name_of(run)}: {done.stdout.splitlines()[0]}", flush=True)
     return True
 

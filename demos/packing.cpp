@@ -10,6 +10,7 @@
 
 #include "exit_code.h"
 #include "granular/core/errors.h"
+#include "granular/io/checkpoint.h"
 #include "granular/io/output_file.h"
 #include "granular/io/scene_file.h"
 #include "granular/run/packing_report.h"
@@ -62,7 +63,7 @@ int run(const Options& options) {
   omp_set_num_threads(threads);
   std::fputs(packing.describePlan().c_str(), stdout);
   if (options.dryRun) return 0;
-  const fs::path out = options.resume.empty() ? options.out : options.resume;
+  const fs::path out = options.resume.empty() ? options.out : granular::checkpointFolder(options.resume);
   granular::prepareOutputFolder(out);
   std::fflush(stdout);
 
@@ -90,10 +91,10 @@ int parseAndRun(int argc, char** argv) {
   std::vector<std::string> skips;
   app.add_option("scene", options.scene, "scene file (TOML)");
   app.add_option("--out", options.out, "folder of the results");
-  app.add_option(
-      "--resume", options.resume,
-      "go on from the newest checkpoint of this folder, to the same result as if never stopped; --threads, and "
-      "--set of time.max_time, rest, output and limits may differ");
+  app.add_option("--resume", options.resume,
+                 "go on from this folder's newest checkpoint, or from a checkpoint file, to the same result as if "
+                 "never stopped; --threads, and "
+                 "--set of time.max_time, rest, output and limits may differ");
   app.add_option("--threads", threads, "threads; 0: all cores (the result does not depend on it)");
   app.add_option("--seed", seed, "seed of all random numbers");
   app.add_option("--set", options.overrides,

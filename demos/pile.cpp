@@ -12,6 +12,7 @@
 
 #include "exit_code.h"
 #include "granular/core/errors.h"
+#include "granular/io/checkpoint.h"
 #include "granular/io/output_file.h"
 #include "granular/run/packing_report.h"
 #include "run_program.h"
@@ -47,7 +48,7 @@ granular::PackingRun makeRun(const Options& options) {
 }
 
 int run(const Options& options) {
-  const fs::path out = options.resume.empty() ? options.out : options.resume;
+  const fs::path out = options.resume.empty() ? options.out : granular::checkpointFolder(options.resume);
   if (options.resume.empty()) {
     granular::checkPile(options.pile);
     granular::prepareOutputFolder(out);
@@ -88,7 +89,7 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--count", p.count, "particles (default 1000)");
   app.add_option("--seed", p.seed, "seed of all random numbers (default 1)");
   app.add_option("--out", o.out, "folder of the results");
-  app.add_option("--resume", o.resume, "go on from the newest checkpoint of this folder");
+  app.add_option("--resume", o.resume, "go on from this folder's newest checkpoint, or from a checkpoint file");
   app.add_option("--half-length", p.halfLength, "of the ellipsoid, m (default 2.7e-3)");
   app.add_option("--half-width", p.halfWidth, "of the ellipsoid, m (default 1.15e-3)");
   app.add_option("--mass", p.mass, "of a particle, kg (default 2e-5); inertia: the smooth ellipsoid's");

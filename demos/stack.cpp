@@ -4,22 +4,29 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "exit_code.h"
 #include "granular/core/errors.h"
+#include "granular/io/checkpoint.h"
 #include "granular/io/output_file.h"
 #include "granular/io/progress.h"
 #include "granular/run/stack_report.h"
 #include "run_program.h"
+#include "stop_signal.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 
+enum Exit { exitDone = 0, exitInterrupted = 5 };
+
 struct Options {
   granular::StackSettings stack;
   std::string rule = "stiff_patch", law = "linear", engine = "granular";
-  fs::path json, out;
+  fs::path json, out, resume;
+  granular::StackCheckpoints checkpoints;
 };
 
 void addOptions(CLI::App& app, Options& o) {
@@ -63,6 +70,23 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--sample", s.sampleEvery, "time between samples, s")->capture_default_str();
   app.add_option("--json", o.json, "write the figures here");
   app.add_option("--out", o.out, "folder for result.json, samples.csv, velocity.png and tower.png");
+  app.add_option("--checkpoints", o.checkpoints.folder, "folder for checkpoints; default: that of --out, if given");
+  app.add_option("--checkpoint-every", o.checkpoints.every, "wall time between checkpoints, s")->capture_default_str();
+  app.add_option("--resume", o.resume,
+                 "go on from this folder's newest checkpoint, or from a checkpoint file; the folder keeps those to "
+                 "come; the tower is "
+                 "that of the checkpoint, only --time, --json, --out and --checkpoint-every may be given");
+}
+
+/// A resumed tower takes nothing that would make it another.
+void checkResume(const CLI::App& app, const Options& o) {
+  if (o.resume.empty()) return;
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_name();
+    const bool allowed =
+        name == "--resume" || name == "--time" || name == "--json" || name == "--out" || name == "--checkpoint-every";
+    granular::require(option->count() == 0 || allowed, name + ": can't be given with --resume");
+  }
 }
 
 void writeText(const fs::path& path, const std::string& text) {
@@ -79,42 +103,65 @@ void draw(const fs::path& out) {
   }
 }
 
-int run(Options& o) {
+granular::StackResult runTower(Options& o, std::optional<double> timeGiven) {
+  granular::Progress line;
+  const auto watch = [&](const granular::StackSample& s) {
+    line.report(s.time / o.stack.time, [&s] { return granular::describeSample(s); });
+    return stopAsked == 0;
+  };
+  if (o.engine == "bullet") return runBulletStack(o.stack, watch);
+  granular::StackRun tower =
+      o.resume.empty() ? granular::StackRun(o.stack) : granular::StackRun::resumed(o.resume, timeGiven);
+  o.stack = tower.settings();
+  return tower.run(watch, o.checkpoints);
+}
+
+int run(Options& o, std::optional<double> timeGiven) {
   o.stack.rule.rule = granular::pointRuleFromName(o.rule);
   o.stack.law = granular::lawFromName(o.law);
   // A tower is too small to share out.
   omp_set_num_threads(1);
 
   if (!o.out.empty()) granular::prepareOutputFolder(o.out);
-  granular::Progress line;
-  const auto watch = [&](const granular::StackSample& s) {
-    line.report(s.time / o.stack.time, [&s] { return granular::describeSample(s); });
-    return true;
-  };
-  const bool bullet = o.engine == "bullet";
-  const granular::StackResult result = bullet ? runBulletStack(o.stack, watch) : runStack(o.stack, watch);
-  line.finish();
+  fs::path& kept = o.checkpoints.folder;
+  if (!o.resume.empty()) kept = granular::checkpointFolder(o.resume);
+  if (kept.empty() && o.engine != "bullet") kept = o.out;
+  granular::require(kept.empty() || o.engine != "bullet", "--checkpoints: Bullet's own engine has none");
+  if (!kept.empty()) {
+    if (o.resume.empty()) granular::prepareOutputFolder(kept);
+    listenForStop();
+  }
+  const granular::StackResult result = runTower(o, timeGiven);
+  if (result.stopped) {
+    std::printf("interrupted at t = %.6g s; go on with: stack --resume %s\n", result.simulated, kept.c_str());
+    return exitInterrupted;
+  }
 
   std::fputs(granular::describeStack(o.stack, o.engine, result).c_str(), stdout);
   const std::string json = granular::stackToJson(o.stack, o.engine, result);
   if (!o.json.empty()) writeText(o.json, json);
-  if (o.out.empty()) return 0;
+  if (o.out.empty()) return exitDone;
   writeText(o.out / "result.json", json);
   writeText(o.out / "samples.csv", granular::samplesToCsv(result));
   writeText(o.out / "poses.csv", granular::posesToCsv(o.stack, result));
   draw(o.out);
   std::printf("results    %s (result.json, samples.csv, poses.csv, velocity.png, tower.png)\n", o.out.c_str());
-  return 0;
+  return exitDone;
 }
 
 int parseAndRun(int argc, char** argv) {
   Options options;
   CLI::App app(
       "Builds a tower of cuboids, from static equilibrium or from a drop, and watches whether it stands.\n"
-      "Exit codes: 0 the run is done, standing or fallen; 1 settings that can't be used; 2 a problem of the program.");
+      "Exit codes: 0 the run is done, standing or fallen; 1 settings that can't be used; 2 a problem of the program; 5 "
+      "interrupted (go on with --resume).");
   addOptions(app, options);
   CLI11_PARSE(app, argc, argv);
-  return run(options);
+  checkResume(app, options);
+  granular::require(options.checkpoints.every > 0,
+                    "--checkpoint-every = " + std::to_string(options.checkpoints.every) + " s: must be > 0");
+  const bool timed = app.count("--time") > 0;
+  return run(options, timed ? std::optional(options.stack.time) : std::nullopt);
 }
 
 }  // namespace

@@ -10,4 +10,6 @@ inline void listenForStop() {
   const auto ask = [](int) { stopAsked = 1; };
   std::signal(SIGINT, ask);
   std::signal(SIGTERM, ask);
+  // A file larger than the shell allows is an error that is told, not the end of the process.
+  std::signal(SIGXFSZ, SIG_IGN);
 }

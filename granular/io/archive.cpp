@@ -90,6 +90,11 @@ bool Archive::has(std::string_view name) const {
   return next != dataSets.end() && next->first.starts_with(path + '/');
 }
 
+std::uint64_t Archive::rowsOf(std::string_view name) const {
+  const auto found = dataSets.find(prefix + std::string(name));
+  return found == dataSets.end() ? 0 : found->second.rows;
+}
+
 void Archive::requireAllRead() const {
   for (const auto& [path, set] : dataSets)
     if (!set.read) throw InputError(origin + ": " + path + " is unknown to this version");

@@ -183,6 +183,9 @@ class Archive {
   /// True if a loaded archive has this data set or group.
   bool has(std::string_view name) const;
 
+  /// Rows of a loaded data set; 0 if it is missing.
+  std::uint64_t rowsOf(std::string_view name) const;
+
   /// Loading: throws InputError naming a data set that nothing has read.
   void requireAllRead() const;
 

@@ -5,8 +5,10 @@
 #include <hdf5.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
+#include <span>
 
 #include "granular/io/digest.h"
 
@@ -121,14 +123,25 @@ void writeDataSet(hid_t file, const std::string& path, const DataSet& set) {
   writeAttribute(dataSet, "layout", layout);
 }
 
-void writeHdf5(const fs::path& path, const Archive& archive) {
+/// What stands behind the first block, in memory. HDF5 finds its own beginning there, as in any file with a user block,
+/// and takes all addresses from it. It writes no file of ours: one that fails in its hands, on a
+/// full disk, takes the process down when HDF5 closes it again at exit.
+std::vector<char> makeHdf5(const Archive& archive) {
   const QuietErrors quiet;
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "make a property list");
-  H5Pset_userblock(creation, blockSize);
   H5Pset_obj_track_times(creation, false);
-  const Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, H5P_DEFAULT), H5Fclose, "make the file");
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make a property list");
+  constexpr std::size_t growth = 16 << 20;
+  require5(H5Pset_fapl_core(access, growth, false), "keep a file in memory");
+  const Handle file(H5Fcreate("checkpoint", H5F_ACC_TRUNC, creation, access), H5Fclose, "make the file");
   for (const auto& [name, set] : archive.content()) writeDataSet(file, name, set);
   require5(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush the file");
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+  if (size <= 0) throw std::runtime_error("HDF5 failed to hand out the file");
+  std::vector<char> image(static_cast<std::size_t>(size));
+  if (H5Fget_file_image(file, image.data(), image.size()) != size)
+    throw std::runtime_error("HDF5 failed to hand out the file");
+  return image;
 }
 
 /// Digest and length of what lies behind the first block.
@@ -146,14 +159,6 @@ std::pair<std::string, std::uint64_t> digestBehindBlock(std::istream& file) {
   return {digest.finishHex(), length};
 }
 
-void flushToDisk(const fs::path& path, int flags) {
-  const int descriptor = open(path.c_str(), flags);
-  const bool done = descriptor >= 0 && fsync(descriptor) == 0;
-  if (descriptor >= 0) close(descriptor);
-  if (!done)
-    throw std::runtime_error(fmt::format("{}: can't be flushed to the disk: {}", path.string(), strerror(errno)));
-}
-
 // ---------------------------------------------------------------------------------------------------- reading
 
 /// The block at the start of a checkpoint.
@@ -169,6 +174,29 @@ std::string formatHeader(const Header& header) {
   text.resize(blockSize, ' ');
   text.back() = '\n';
   return text;
+}
+
+void flushToDisk(const fs::path& path, int flags) {
+  const int descriptor = open(path.c_str(), flags);
+  const bool done = descriptor >= 0 && fsync(descriptor) == 0;
+  if (descriptor >= 0) close(descriptor);
+  if (!done) throw InputError(fmt::format("{}: can't be flushed to the disk: {}", path.string(), strerror(errno)));
+}
+
+/// The whole file, down to the disk; throws with the system's reason.
+void writeWhole(const fs::path& path, const Archive& archive) {
+  const std::vector<char> image = makeHdf5(archive);
+  Digest digest;
+  digest.add(std::as_bytes(std::span(image)));
+  const std::string block = formatHeader({checkpointVersion, image.size(), digest.finishHex()});
+
+  errno = 0;
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file << block;
+  file.write(image.data(), static_cast<std::streamsize>(image.size()));
+  file.close();
+  if (!file) throw std::runtime_error(errno != 0 ? strerror(errno) : "not all of it was taken");
+  flushToDisk(path, O_RDONLY);
 }
 
 /// Reads and checks everything but HDF5's own content; returns the reason to refuse the file, or nothing.
@@ -255,27 +283,34 @@ std::map<std::string, DataSet> readHdf5(const fs::path& path) {
 }  // namespace
 
 void saveCheckpoint(const fs::path& folder, const Archive& archive) {
-  const fs::path current = folder / currentName, partial = folder / ".checkpoint.h5.partial";
+  const fs::path current = folder / currentName, previous = folder / previousName,
+                 partial = folder / ".checkpoint.h5.partial";
   std::error_code error;
   if (!fs::is_directory(folder, error) || access(folder.c_str(), W_OK) != 0)
     throw InputError(
         fmt::format("{}: the checkpoint can't be written: no folder that may be written", folder.string()));
 
-  // Content first, then the block that vouches for it.
-  writeHdf5(partial, archive);
-  std::fstream file(partial, std::ios::binary | std::ios::in | std::ios::out);
-  const auto [digest, length] = digestBehindBlock(file);
-  file.clear();
-  file.seekp(0);
-  file << formatHeader({checkpointVersion, length, digest});
-  file.close();
-  if (!file) throw std::runtime_error(fmt::format("{}: can't be written (disk full?)", partial.string()));
-
   // On the disk before it takes the place of the last one.
-  flushToDisk(partial, O_RDONLY);
-  if (fs::exists(current)) fs::rename(current, folder / previousName);
+  try {
+    writeWhole(partial, archive);
+  } catch (const std::exception& reason) {
+    fs::remove(partial, error);
+    throw InputError(fmt::format("{}: the checkpoint can't be written: {}; {}", current.string(), reason.what(),
+                                 fs::exists(current, error) ? "the one before stands" : "there is none before"));
+  }
+  // There is a checkpoint under the first name at any moment, unless the file system has no second names.
+  if (fs::exists(current)) {
+    fs::remove(previous, error);
+    fs::create_hard_link(current, previous, error);
+    if (error) fs::rename(current, previous);
+  }
   fs::rename(partial, current);
   flushToDisk(folder, O_RDONLY | O_DIRECTORY);
+}
+
+fs::path checkpointFolder(const fs::path& fileOrFolder) {
+  if (fs::is_directory(fileOrFolder)) return fileOrFolder;
+  return fileOrFolder.has_parent_path() ? fileOrFolder.parent_path() : ".";
 }
 
 Archive loadCheckpoint(const fs::path& fileOrFolder) {

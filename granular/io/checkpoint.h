@@ -13,14 +13,17 @@
 namespace granular {
 
 /// Version of the file format; a file of another version is refused.
-inline constexpr int checkpointVersion = 9;
+inline constexpr int checkpointVersion = 10;
 
-/// Writes folder/checkpoint.h5; what had that name becomes folder/checkpoint_previous.h5. Throws InputError if the
-/// folder can't be written, std::runtime_error if HDF5 fails.
+/// Writes folder/checkpoint.h5; what had that name becomes folder/checkpoint_previous.h5. Throws InputError with the
+/// reason if the file can't be written whole, for instance on a full disk; then both are as they were.
 void saveCheckpoint(const std::filesystem::path& folder, const Archive& archive);
 
 /// Reads a checkpoint, or the newest of a folder. Throws InputError with the reason (missing, not a checkpoint, another
 /// version, cut short, damaged), naming the checkpoint before it where there is one.
 Archive loadCheckpoint(const std::filesystem::path& fileOrFolder);
+
+/// The folder in which a run goes on that is resumed from a file or a folder.
+std::filesystem::path checkpointFolder(const std::filesystem::path& fileOrFolder);
 
 }  // namespace granular

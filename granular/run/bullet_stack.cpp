@@ -79,7 +79,7 @@ class BulletTower {
 
 }  // namespace
 
-StackResult runBulletStack(const StackSettings& settings, const std::function<bool(const StackSample&)>& watch) {
+StackResult runBulletStack(const StackSettings& settings, const StackObserver& watch) {
   checkStack(settings);
   require(settings.step > 0, "dt = 0: Bullet needs a time step");
   const std::vector<Pose> placed = placeStack(settings);

@@ -396,6 +396,9 @@ void PackingRun::visitState(Archive& archive) {
   PourState poured = pour->state();
   archive.visitGroup("pouring", poured);
   if (archive.loading()) {
+    require(dt > 0 && std::isfinite(dt), fmt::format("checkpoint: time_step = {:g} s: must be > 0 and finite", dt));
+    require(poured.placed >= 0 && poured.placed <= pour->count(),
+            fmt::format("checkpoint: pouring/placed = {}: must be 0 to {}", poured.placed, pour->count()));
     // Shapes are made again from the seed, in the order in which they came.
     for (std::int64_t number = 0; number < poured.placed; ++number) state->addShape(pour->makeShape(number));
     pour->setState(poured);
@@ -408,6 +411,8 @@ void PackingRun::visitState(Archive& archive) {
 
 PackingRun PackingRun::resumed(const std::filesystem::path& folder, const std::vector<std::string>& overrides) {
   Archive archive = loadCheckpoint(folder);
+  require(archive.has("scene"),
+          fmt::format("{}: the checkpoint can't be used: it is not that of a packing", folder.string()));
   SceneSource source;
   visitSource(archive, source);
   for (const std::string& entry : overrides) {

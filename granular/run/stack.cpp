@@ -81,29 +81,49 @@ std::vector<Pose> posesOf(const Bodies& bodies) {
 
 }  // namespace
 
-StackResult runStack(const StackSettings& settings, const std::function<bool(const StackSample&)>& watch) {
-  checkStack(settings);
-  const std::vector<Pose> placed = placeStack(settings);
-  const std::unique_ptr<World> world = buildTower(settings, placed);
-  const double dt = chooseStep(settings, *world);
-  const auto steps = static_cast<std::int64_t>(std::ceil(settings.time / dt));
-  const std::int64_t perSample = std::max<std::int64_t>(1, std::llround(settings.sampleEvery / dt));
+StackRun::StackRun(const StackSettings& settings) : chosen(settings) {
+  checkStack(chosen);
+  const std::vector<Pose> placed = placeStack(chosen);
+  world = buildTower(chosen, placed);
+  dt = chooseStep(chosen, *world);
+  tower = std::make_unique<StackWatch>(chosen, placed);
+  startHalfSteps(*world, dt, 0, true);
+}
+
+StackRun::~StackRun() = default;
+StackRun::StackRun(StackRun&&) noexcept = default;
+
+double StackRun::time() const { return world->time; }
+
+StackResult StackRun::run(const StackObserver& watch, const StackCheckpoints& checkpoints) {
+  const auto steps = static_cast<std::int64_t>(std::ceil(chosen.time / dt));
+  const std::int64_t perSample = std::max<std::int64_t>(1, std::llround(chosen.sampleEvery / dt));
   // Energies are noted some ten times in a sample: waves in the tower take longer.
   const std::int64_t perNote = std::max<std::int64_t>(1, perSample / 10);
 
-  StackWatch tower(settings, placed);
   const auto began = std::chrono::steady_clock::now();
-  startHalfSteps(*world, dt, 0, true);
-  for (std::int64_t k = 1; k <= steps && !tower.fallen(); ++k) {
+  const double before = wall;
+  double savedAt = wall;
+  bool stopped = false;
+  while (world->steps < steps && !tower->fallen() && !stopped) {
     step(*world, dt);
-    if (k % perNote == 0) tower.note(kineticEnergy(world->bodies), meanSpeed(world->bodies));
+    const std::int64_t k = world->steps;
+    if (k % perNote == 0) tower->note(kineticEnergy(world->bodies), meanSpeed(world->bodies));
     if (k % perSample != 0 && k != steps) continue;
-    const StackSample& sample = tower.sample(world->time, posesOf(world->bodies), layerForces(*world));
-    if (watch && !watch(sample)) break;
+    const StackSample& sample = tower->sample(world->time, posesOf(world->bodies), layerForces(*world));
+    stopped = watch && !watch(sample) && k != steps && !tower->fallen();
+    wall = before + std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    // The last sample may end an interval early, which a longer run would not: nothing is kept there.
+    if (checkpoints.folder.empty() || k == steps || tower->fallen()) continue;
+    if (stopped || wall - savedAt > checkpoints.every) {
+      save(checkpoints.folder);
+      savedAt = wall;
+    }
   }
 
-  StackResult result = tower.finish(world->time);
-  result.wallTime = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  StackResult result = tower->finish(world->time);
+  result.stopped = stopped;
+  result.wallTime = wall;
   result.step = dt;
   result.steps = world->steps;
   const Report& report = world->report;
@@ -112,6 +132,10 @@ StackResult runStack(const StackSettings& settings, const std::function<bool(con
   result.uncertified = report.narrow.uncertified;
   result.poses = posesOf(world->bodies);
   return result;
+}
+
+StackResult runStack(const StackSettings& settings, const StackObserver& watch) {
+  return StackRun(settings).run(watch);
 }
 
 }  // namespace granular

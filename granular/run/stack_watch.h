@@ -1,6 +1,7 @@
 // Watches a tower while it stands: samples, drift and tilt, the forces between its layers, and how its motion decays.
 #pragma once
 
+#include "granular/io/archive.h"
 #include "granular/run/stack.h"
 
 namespace granular {
@@ -20,6 +21,8 @@ class StackWatch {
   bool fallen() const { return result.fellAt >= 0; }
   /// Everything that samples tell.
   StackResult finish(double time);
+  /// All that it knows just after a sample, when no interval is begun.
+  void visitState(Archive& archive);
 
  private:
   struct LayerSample {
@@ -29,7 +32,7 @@ class StackWatch {
   double worstInterlayer(double from) const;
   double energyTrend(double from) const;
 
-  const StackSettings& settings;
+  const StackSettings settings;
   std::vector<Pose> start;
   StackResult result;
   std::vector<LayerSample> layers;  ///< of the last tenth of a second

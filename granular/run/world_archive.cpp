@@ -1,6 +1,11 @@
 #include "granular/run/world_archive.h"
 
+#include <array>
+#include <map>
+#include <numeric>
+
 #include "granular/run/packing_run.h"
+#include "granular/run/world_check.h"
 #include "granular/world/stages.h"
 
 namespace granular {
@@ -22,11 +27,11 @@ namespace {
 
 /// A column made of one field of every row; field(row) returns a reference. Rows must have their final number.
 template <class T, class Row, class Field>
-void visitField(Archive& archive, std::string_view name, std::vector<Row>& rows, Field field) {
+void visitField(Archive& archive, std::string_view name, std::vector<Row>& rows, Field field, const Note& note = {}) {
   std::vector<T> column;
   column.reserve(rows.size());
   for (Row& row : rows) column.push_back(static_cast<T>(field(row)));
-  archive.visit(name, column);
+  archive.visit(name, column, note);
   if (!archive.loading()) return;
   require(column.size() == rows.size(),
           "checkpoint: column " + std::string(name) + " is of another length than its neighbours");
@@ -34,12 +39,26 @@ void visitField(Archive& archive, std::string_view name, std::vector<Row>& rows,
     field(rows[k]) = static_cast<std::decay_t<decltype(field(rows[k]))>>(column[k]);
 }
 
-/// The number of rows, which loading gives to the list.
+/// The number of rows, which loading gives to the list; `column` is one that follows.
 template <class Row>
-void visitCount(Archive& archive, std::vector<Row>& rows) {
+void visitCount(Archive& archive, std::vector<Row>& rows, std::string_view column) {
   auto count = static_cast<std::uint64_t>(rows.size());
   archive.visit("count", count);
+  require(!archive.loading() || archive.rowsOf(column) == count,
+          "checkpoint: column " + std::string(column) + " has not as many rows as its group counts");
   rows.resize(count);
+}
+
+/// Lists of lists: how many entries each of `rows` has must add up to the entries there are.
+void requireCounts(std::string_view name, const std::vector<std::int32_t>& counts, std::size_t rows,
+                   std::size_t entries) {
+  bool fits = counts.size() == rows;
+  std::uint64_t sum = 0;
+  for (const std::int32_t count : counts) {
+    fits = fits && count >= 0;
+    sum += static_cast<std::uint64_t>(std::max(count, 0));
+  }
+  require(fits && sum == entries, "checkpoint: column " + std::string(name) + " does not count the entries there are");
 }
 
 void visitHistory(Archive& archive, std::vector<ContactHistory>& rows) {
@@ -48,60 +67,61 @@ void visitHistory(Archive& archive, std::vector<ContactHistory>& rows) {
   archive.visitMember("twist", rows, &ContactHistory::twist, {"rad", "torsional spring"});
 }
 
+/// A row that stands for no contact: every byte is defined, so that equal states make equal files.
+Contact makeNoContact() {
+  Contact none;
+  none.shift = none.torqueA = none.torqueB = Vec3::Zero();
+  none.touch = {Vec3::Zero(), 0, Vec3::Zero(), Vec3::Zero()};
+  none.patch.point = none.patch.centre = Vec3::Zero();
+  return none;
+}
+
 void visitContacts(Archive& archive, std::vector<Contact>& rows) {
-  visitCount(archive, rows);
-  visitField<std::int32_t>(
-      archive, "pair", rows, [](Contact & c) -> auto& { return c.pair; });
-  visitField<std::int32_t>(
-      archive, "a", rows, [](Contact & c) -> auto& { return c.a; });
-  visitField<std::int32_t>(
-      archive, "b", rows, [](Contact & c) -> auto& { return c.b; });
-  visitField<std::int32_t>(
-      archive, "spot", rows, [](Contact & c) -> auto& { return c.spot.number; });
-  visitField<std::int32_t>(
-      archive, "child_a", rows, [](Contact & c) -> auto& { return c.spot.childA; });
-  visitField<std::int32_t>(
-      archive, "child_b", rows, [](Contact & c) -> auto& { return c.spot.childB; });
-  visitField<double>(
-      archive, "share", rows, [](Contact & c) -> auto& { return c.share; });
-  visitField<Vec3>(
-      archive, "shift", rows, [](Contact & c) -> auto& { return c.shift; });
-  visitField<Vec3>(
-      archive, "normal", rows, [](Contact & c) -> auto& { return c.touch.normal; });
-  visitField<double>(
-      archive, "overlap", rows, [](Contact & c) -> auto& { return c.touch.overlap; });
-  visitField<Vec3>(
-      archive, "on_a", rows, [](Contact & c) -> auto& { return c.touch.onA; });
-  visitField<Vec3>(
-      archive, "on_b", rows, [](Contact & c) -> auto& { return c.touch.onB; });
-  visitField<Vec3>(
-      archive, "point", rows, [](Contact & c) -> auto& { return c.patch.point; });
-  visitField<Vec3>(
-      archive, "centre", rows, [](Contact & c) -> auto& { return c.patch.centre; });
-  visitField<double>(
-      archive, "area", rows, [](Contact & c) -> auto& { return c.patch.area; });
-  visitField<Vec3>(
-      archive, "u", rows, [](Contact & c) -> auto& { return c.patch.u; });
-  visitField<double>(
-      archive, "uu", rows, [](Contact & c) -> auto& { return c.patch.uu; });
-  visitField<double>(
-      archive, "vv", rows, [](Contact & c) -> auto& { return c.patch.vv; });
-  visitField<double>(
-      archive, "uv", rows, [](Contact & c) -> auto& { return c.patch.uv; });
-  visitField<Vec3>(
-      archive, "force", rows, [](Contact & c) -> auto& { return c.force.force; });
-  visitField<Vec3>(
-      archive, "couple", rows, [](Contact & c) -> auto& { return c.force.couple; });
-  visitField<double>(
-      archive, "normal_force", rows, [](Contact & c) -> auto& { return c.force.normalForce; });
-  visitField<std::uint8_t>(
-      archive, "sliding", rows, [](Contact & c) -> auto& { return c.force.sliding; });
-  visitField<std::uint8_t>(
-      archive, "held", rows, [](Contact & c) -> auto& { return c.held; });
-  visitField<Vec3>(
-      archive, "torque_a", rows, [](Contact & c) -> auto& { return c.torqueA; });
-  visitField<Vec3>(
-      archive, "torque_b", rows, [](Contact & c) -> auto& { return c.torqueB; });
+  visitCount(archive, rows, "a");
+  for (Contact& row : rows) {
+    if (archive.loading() || row.a < 0) row = makeNoContact();
+  }
+  const auto number = [&](const char* name, auto field, const Note& note = {}) {
+    visitField<double>(archive, name, rows, field, note);
+  };
+  const auto vector = [&](const char* name, auto field, const Note& note = {}) {
+    visitField<Vec3>(archive, name, rows, field, note);
+  };
+  const auto index = [&](const char* name, auto field, const Note& note = {}) {
+    visitField<std::int32_t>(archive, name, rows, field, note);
+  };
+  const auto flag = [&](const char* name, auto field) { visitField<std::uint8_t>(archive, name, rows, field); };
+  // clang-format off
+  index("pair", [](Contact& c) -> auto& { return c.pair; });
+  index("a", [](Contact& c) -> auto& { return c.a; }, {"", "slot of a body; -1: no contact in this row"});
+  index("b", [](Contact& c) -> auto& { return c.b; }, {"", "slot of a body; -1 - w: wall w"});
+  index("spot", [](Contact& c) -> auto& { return c.spot.number; });
+  index("child_a", [](Contact& c) -> auto& { return c.spot.childA; });
+  index("child_b", [](Contact& c) -> auto& { return c.spot.childB; });
+  number("share", [](Contact& c) -> auto& { return c.share; });
+  vector("shift", [](Contact& c) -> auto& { return c.shift; }, {"m", "of b's image"});
+  vector("normal", [](Contact& c) -> auto& { return c.touch.normal; }, {"", "from a to b"});
+  number("overlap", [](Contact& c) -> auto& { return c.touch.overlap; }, {"m", ""});
+  vector("on_a", [](Contact& c) -> auto& { return c.touch.onA; }, {"m", "deepest point of a"});
+  vector("on_b", [](Contact& c) -> auto& { return c.touch.onB; }, {"m", ""});
+  vector("point", [](Contact& c) -> auto& { return c.patch.point; }, {"m", "contact point"});
+  vector("centre", [](Contact& c) -> auto& { return c.patch.centre; }, {"m", "of the patch"});
+  number("area", [](Contact& c) -> auto& { return c.patch.area; }, {"m^2", "of the patch"});
+  vector("u", [](Contact& c) -> auto& { return c.patch.u; }, {"", "axis of its moments"});
+  number("uu", [](Contact& c) -> auto& { return c.patch.uu; }, {"m^2", "second moment per area"});
+  number("vv", [](Contact& c) -> auto& { return c.patch.vv; }, {"m^2", ""});
+  number("uv", [](Contact& c) -> auto& { return c.patch.uv; }, {"m^2", ""});
+  number("depth", [](Contact& c) -> auto& { return c.patch.depth; }, {"m", "the elastic force is k_n times this"});
+  number("squared_depth", [](Contact& c) -> auto& { return c.patch.squaredDepth; }, {"m^2", ""});
+  number("rule_share", [](Contact& c) -> auto& { return c.patch.share; }, {"", "of the stiffness, by the rule"});
+  vector("force", [](Contact& c) -> auto& { return c.force.force; }, {"N", "on a"});
+  vector("couple", [](Contact& c) -> auto& { return c.force.couple; }, {"N m", "on a"});
+  number("normal_force", [](Contact& c) -> auto& { return c.force.normalForce; }, {"N", ""});
+  flag("sliding", [](Contact& c) -> auto& { return c.force.sliding; });
+  flag("held", [](Contact& c) -> auto& { return c.held; });
+  vector("torque_a", [](Contact& c) -> auto& { return c.torqueA; }, {"N m", "about a's centre"});
+  vector("torque_b", [](Contact& c) -> auto& { return c.torqueB; }, {"N m", ""});
+  // clang-format on
 }
 
 void visitEnergies(Archive& archive, std::vector<SpringEnergy>& rows) {
@@ -134,6 +154,9 @@ void visitSpots(Archive& archive, std::vector<Row>& rows) {
   visitHistory(archive, histories);
   visitEnergies(archive, energies);
   if (!archive.loading()) return;
+  requireCounts("spot_count", counts, rows.size(), spots.size());
+  require(histories.size() == spots.size() && energies.size() == spots.size(),
+          "checkpoint: spots, their histories and their springs are not equally many");
   std::size_t next = 0;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     for (std::int32_t n = 0; n < counts[k]; ++n, ++next)
@@ -142,7 +165,7 @@ void visitSpots(Archive& archive, std::vector<Row>& rows) {
 }
 
 void visitManifolds(Archive& archive, std::vector<ManifoldMemory>& rows) {
-  visitCount(archive, rows);
+  visitCount(archive, rows, "points");
   visitField<std::int32_t>(
       archive, "points", rows, [](ManifoldMemory & m) -> auto& { return m.manifold.count; });
   visitField<std::int32_t>(
@@ -185,6 +208,7 @@ void visitChildren(Archive& archive, std::vector<Row>& rows) {
                         {"m", "sum of travels before which they can't touch"});
   });
   if (!archive.loading()) return;
+  requireCounts("children_count", counts, rows.size(), all.size());
   std::size_t next = 0;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     for (std::int32_t n = 0; n < counts[k]; ++n) rows[k].children.near.push_back(all[next++]);
@@ -202,7 +226,7 @@ void visitCaches(Archive& archive, std::vector<WarmCache>& caches) {
 }
 
 void visitClumps(Archive& archive, std::vector<ClumpMemory>& rows) {
-  visitCount(archive, rows);
+  visitCount(archive, rows, "children_until");
   visitChildren(archive, rows);
   visitSpots(archive, rows);
   std::vector<std::int32_t> counts, heldCounts;
@@ -219,6 +243,8 @@ void visitClumps(Archive& archive, std::vector<ClumpMemory>& rows) {
   archive.visit("held_count", heldCounts);
   archive.inGroup("held", [&] { visitContacts(archive, held); });
   if (!archive.loading()) return;
+  requireCounts("cache_count", counts, rows.size(), caches.size());
+  requireCounts("held_count", heldCounts, rows.size(), held.size());
   std::size_t nextCache = 0, nextHeld = 0;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     for (std::int32_t n = 0; n < counts[k]; ++n) rows[k].caches.push_back(caches[nextCache++]);
@@ -249,7 +275,7 @@ void visitPairs(Archive& archive, PairList& list) {
 
 void visitWallPairs(Archive& archive, std::vector<WallPair>& pairs) {
   archive.inGroup("wall_pairs", [&] {
-    visitCount(archive, pairs);
+    visitCount(archive, pairs, "body");
     visitField<std::int32_t>(
         archive, "body", pairs, [](WallPair & p) -> auto& { return p.body; });
     visitField<std::int32_t>(
@@ -270,6 +296,7 @@ void visitWallPairs(Archive& archive, std::vector<WallPair>& pairs) {
     archive.visit("held_count", heldCount);
     archive.inGroup("held", [&] { visitContacts(archive, held); });
     if (!archive.loading()) return;
+    requireCounts("held_count", heldCount, pairs.size(), held.size());
     std::size_t next = 0;
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       for (std::int32_t n = 0; n < heldCount[k]; ++n) pairs[k].held.push_back(held[next++]);
@@ -339,6 +366,67 @@ void visitWalls(Archive& archive, World& world) {
   });
 }
 
+/// Units and meanings of columns that the owners of the state only name.
+struct NamedNote {
+  std::string_view name;
+  Note note;
+};
+constexpr NamedNote bodyNotes[] = {
+    {"x", {"m", "position at t_n"}},
+    {"q", {"", "orientation at t_n, body to world, x y z w"}},
+    {"v", {"m/s", "at t_n, predicted"}},
+    {"w", {"rad/s", "at t_n, predicted, world axes"}},
+    {"v_half", {"m/s", "at the half step"}},
+    {"w_half", {"rad/s", "at the half step, body axes"}},
+    {"q_half", {"", "orientation at the half step, x y z w"}},
+    {"spin_half", {"rad/s", "at the half step, world axes"}},
+    {"acceleration", {"m/s^2", "of the last step"}},
+    {"alpha", {"rad/s^2", "of the last step, body axes"}},
+    {"force", {"N", ""}},
+    {"torque", {"N m", "about the centre of mass, world axes"}},
+    {"travel", {"m", "bound on the way of any surface point so far"}},
+    {"mass", {"kg", ""}},
+    {"inverse_mass", {"1/kg", "0: does not move"}},
+    {"inertia", {"kg m^2", "principal"}},
+    {"inverse_inertia", {"1/(kg m^2)", "0: does not turn"}},
+    {"radius_ratio", {"1/kg", "mean square radius over mean inertia"}},
+    {"shape_index", {"", "in the order in which shapes are made again"}},
+    {"material", {"", "in the scene's order"}},
+    {"id", {"", "for life"}},
+    {"state", {"", "0 moving, 1 frozen, 2 asleep"}},
+    {"locks", {"", "bits: axes along or about which it does not move"}},
+};
+constexpr NamedNote searchNotes[] = {
+    {"margin", {"m", "by which a body's box is grown"}},
+    {"travel_at_place", {"m", "the body's and the walls' travel when its box was placed"}},
+    {"lowest", {"m", "corner of the box"}},
+    {"highest", {"m", "corner of the box"}},
+};
+constexpr NamedNote ledgerNotes[] = {
+    {"kinetic", {"J", ""}},
+    {"potential", {"J", ""}},
+    {"normal_springs", {"J", ""}},
+    {"tangential_springs", {"J", ""}},
+    {"normal_dashpots", {"J", ""}},
+    {"tangential_dashpots", {"J", ""}},
+    {"friction", {"J", ""}},
+    {"wall", {"J", "work of walls"}},
+    {"rule", {"J", "contact-rule work"}},
+    {"exchanged", {"J", ""}},
+    {"parted", {"J", ""}},
+    {"contact_work", {"J", ""}},
+    {"gravity_work", {"J", ""}},
+    {"peak", {"J", "largest kinetic and elastic energy"}},
+};
+
+template <std::size_t N>
+Note noteOf(const NamedNote (&notes)[N], std::string_view name) {
+  for (const NamedNote& each : notes) {
+    if (each.name == name) return each.note;
+  }
+  return {};
+}
+
 }  // namespace
 
 void describe(Archive& archive, World& world) {
@@ -348,13 +436,16 @@ void describe(Archive& archive, World& world) {
   archive.visit("next_id", world.nextId);
   archive.visit("sleep_on", world.options.sleep.on);
   if (archive.loading()) world.pairs = PairList{};  // of bodies placed before loading
-  archive.inGroup(
-      "bodies", [&] { world.bodies.visitState([&](const char* name, auto& column) { archive.visit(name, column); }); });
+  archive.inGroup("bodies", [&] {
+    world.bodies.visitState(
+        [&](const char* name, auto& column) { archive.visit(name, column, noteOf(bodyNotes, name)); });
+  });
   visitPairs(archive, world.pairs);
   visitWallPairs(archive, world.pairs.wallPairs);
   archive.inGroup("search", [&] {
     if (!archive.loading()) world.search.packBoxes();
-    world.search.visitState([&](const char* name, auto& column) { archive.visit(name, column); });
+    world.search.visitState(
+        [&](const char* name, auto& column) { archive.visit(name, column, noteOf(searchNotes, name)); });
     archive.visit("refreshes", world.search.refreshes);
   });
   archive.inGroup("sleep", [&] {
@@ -365,8 +456,10 @@ void describe(Archive& archive, World& world) {
     archive.visit("fallen", world.sleep.fallen);
     archive.visit("woken", world.sleep.woken);
   });
-  archive.inGroup("ledger",
-                  [&] { world.ledger.visitState([&](const char* name, auto& value) { archive.visit(name, value); }); });
+  archive.inGroup("ledger", [&] {
+    world.ledger.visitState(
+        [&](const char* name, auto& value) { archive.visit(name, value, noteOf(ledgerNotes, name)); });
+  });
   if (archive.loading() && !world.options.energy) {
     world.ledger = EnergyLedger{};
     world.pairs.memory.energy.clear();
@@ -374,6 +467,7 @@ void describe(Archive& archive, World& world) {
   visitWalls(archive, world);
   visitReport(archive, world.report);
   if (!archive.loading()) return;
+  checkLoaded(world);
   world.bodies.restoreDerived(world.shapes);
   world.search.restoreBoxes(world.bodies);
   world.chunks.clear();
@@ -412,6 +506,8 @@ void describe(Archive& archive, EnergySeries& series) {
   archive.visit("next", series.next, {"s", ""});
   archive.visit("columns", columns);
   archive.visit("numbers", series.numbers, {"", "row by row: time in s, entries of the ledger in J"});
+  require(columns <= 1000 && (columns == 0 ? series.numbers.empty() : series.numbers.size() % columns == 0),
+          "checkpoint: energy_series/numbers has no whole rows");
   series.columns = columns;
 }
 

@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <fstream>
 
 #include "granular/core/random.h"
@@ -227,10 +232,11 @@ TEST_F(CheckpointTest, ForeignFileIsRefused) {
 
 TEST_F(CheckpointTest, OtherVersionIsRefused) {
   saveCheckpoint(folder, save(makeState(1)));
-  static_assert(checkpointVersion != 1);
-  damage(20, '1');
+  static_assert(checkpointVersion >= 10 && checkpointVersion < 100);
+  damage(20, '0');
   const std::string message = errorOf();
-  const std::string versions = "format version 1, this program reads " + std::to_string(checkpointVersion);
+  const std::string versions = "format version " + std::to_string(checkpointVersion % 10) + ", this program reads " +
+                               std::to_string(checkpointVersion);
   EXPECT_NE(message.find(versions), std::string::npos) << message;
 }
 
@@ -251,6 +257,110 @@ TEST_F(CheckpointTest, EveryDamagedByteIsNoticed) {
     damage(at, static_cast<char>(before ^ (1 << random.below(8))));
     EXPECT_NE(errorOf(), "no error") << "byte " << at;
   }
+}
+
+TEST_F(CheckpointTest, ThereIsOneUnderTheFirstNameAtAnyMoment) {
+  saveCheckpoint(folder, save(makeState(3)));
+  // Somebody who looks all the time while another process saves.
+  const pid_t writer = fork();
+  if (writer == 0) {
+    for (int k = 0; k < 200; ++k) saveCheckpoint(folder, save(makeState(3)));
+    _exit(0);
+  }
+  ASSERT_GT(writer, 0);
+  std::uint64_t looks = 0, misses = 0;
+  int status = 0;
+  while (waitpid(writer, &status, WNOHANG) == 0) {
+    ++looks;
+    misses += access(file().c_str(), R_OK) != 0;
+  }
+  EXPECT_EQ(status, 0);
+  EXPECT_GT(looks, 100u);
+  EXPECT_EQ(misses, 0u);
+}
+
+/// A limit on the size of any file that this process writes, as if the disk were full there.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    handler = std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before);
+    const rlimit limit{bytes, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before{};
+  void (*handler)(int) = SIG_DFL;
+};
+
+TEST_F(CheckpointTest, ThatCannotBeWrittenWholeLeavesTheLastTwoAsTheyWere) {
+  saveCheckpoint(folder, save(makeState(3)));
+  saveCheckpoint(folder, save(makeState(4)));
+  const Archive large = save(makeState(20000));
+  for (const rlim_t room : {0, 100, 512, 3000, 40000, 700000, 1500000}) {
+    std::string message = "no error";
+    {
+      const FileSizeLimit limit(room);
+      try {
+        saveCheckpoint(folder, large);
+      } catch (const InputError& error) {
+        message = error.what();
+      }
+    }
+    EXPECT_NE(message.find("can't be written"), std::string::npos) << message;
+    EXPECT_NE(message.find("File too large"), std::string::npos) << message;
+    EXPECT_NE(message.find("the one before stands"), std::string::npos) << message;
+    EXPECT_EQ(loadCheckpoint(folder).digest(), save(makeState(4)).digest()) << room;
+    EXPECT_EQ(loadCheckpoint(folder / "checkpoint_previous.h5").digest(), save(makeState(3)).digest()) << room;
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 2) << room;
+  }
+  // With room again the next one is written.
+  saveCheckpoint(folder, large);
+  EXPECT_EQ(loadCheckpoint(folder).digest(), large.digest());
+}
+
+/// Runs body() in a process of its own, and returns what it returned; 99 if it threw.
+template <class Body>
+int resultInChild(Body&& body) {
+  const pid_t child = fork();
+  if (child == 0) {
+    try {
+      _exit(body());
+    } catch (const std::exception&) {
+      _exit(99);
+    }
+  }
+  int status = 0;
+  return child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST_F(CheckpointTest, OnAFullDiskIsRefusedAndTheLastOneStands) {
+  // A disk of 256 KiB of this test's own, seen by one process alone; only some systems permit that.
+  const int result = resultInChild([&] {
+    const uid_t user = getuid(), group = getgid();
+    if (unshare(CLONE_NEWUSER | CLONE_NEWNS) != 0) return 77;
+    std::ofstream("/proc/self/setgroups") << "deny";
+    std::ofstream("/proc/self/uid_map") << "0 " << user << " 1\n";
+    std::ofstream("/proc/self/gid_map") << "0 " << group << " 1\n";
+    if (mount("none", folder.c_str(), "tmpfs", 0, "size=256k") != 0) return 77;
+    saveCheckpoint(folder, save(makeState(3)));
+    try {
+      saveCheckpoint(folder, save(makeState(20000)));
+      return 1;
+    } catch (const InputError& error) {
+      if (std::string(error.what()).find("No space left on device") == std::string::npos) return 2;
+    }
+    return loadCheckpoint(folder).digest() == save(makeState(3)).digest() ? 0 : 3;
+  });
+  if (result == 77) GTEST_SKIP() << "no disk may be mounted here";
+  EXPECT_EQ(result, 0) << "1: no error, 2: another reason, 3: the last checkpoint is gone, 99: another error";
 }
 
 TEST_F(CheckpointTest, FolderThatCannotBeWrittenIsNamed) {

@@ -83,5 +83,44 @@ TEST_F(PackingDemo, InterruptedExitsWithFiveAndGoesOnToRest) {
   EXPECT_EQ(rested.code, 0) << rested.text;
 }
 
+TEST_F(PackingDemo, DamagedCheckpointNamesTheOneBeforeWhichLeadsToTheSameEnd) {
+  const std::string scene =
+      write(narrowBox + commonText + "checkpoint_interval = \"10 ms\"\n" + spheres + pour).file.string();
+  const fs::path out = folder / "out";
+  ASSERT_EQ(run(scene + " --out " + out.string() + " --threads 1").code, 0);
+  const auto read = [](const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string particles = read(out / "particles.csv");
+  std::string whole = read(out / "checkpoint.h5");
+
+  // Each part in turn: the first block, HDF5's own, the data.
+  for (const std::size_t at : {std::size_t{3}, std::size_t{30}, std::size_t{520}, whole.size() / 2}) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 4);
+    std::ofstream(out / "checkpoint.h5", std::ios::binary) << damaged;
+    const Outcome refused = run("--resume " + out.string());
+    EXPECT_EQ(refused.code, 1);
+    expectMentions(refused.text, {"checkpoint.h5", "can't be used", "checkpoint_previous.h5"});
+  }
+  fs::remove(out / "particles.csv");
+  const Outcome rested = run("--resume " + (out / "checkpoint_previous.h5").string() + " --threads 2");
+  EXPECT_EQ(rested.code, 0) << rested.text;
+  EXPECT_EQ(read(out / "particles.csv"), particles);
+}
+
+TEST_F(PackingDemo, FilesThatMayNotGrowEndTheRunWithTheReasonAndLeaveTheLastCheckpoint) {
+  const std::string scene = write(narrowBox + commonText + spheres + pour).file.string();
+  const fs::path out = folder / "out";
+  ASSERT_EQ(run(scene + " --out " + out.string() + " --threads 1 --set time.max_time=0.01").code, 3);
+  // In units of 512 bytes: less than a checkpoint.
+  const Outcome full = runDemo("sh", "-c 'ulimit -f 40; " + std::string(GRANULAR_PACKING) + " --resume " +
+                                         out.string() + " --set time.max_time=0.02'");
+  EXPECT_EQ(full.code, 1) << full.text;
+  expectMentions(full.text, {"checkpoint.h5", "can't be written", "File too large", "the one before stands"});
+  EXPECT_EQ(run("--resume " + out.string() + " --threads 1 --set time.max_time=10").code, 0);
+}
+
 }  // namespace
 }  // namespace granular

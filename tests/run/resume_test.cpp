@@ -1,38 +1,11 @@
 // A run that was stopped and taken up again ends in the same bits as one that never stopped.
-#include <gtest/gtest.h>
-#include <omp.h>
-
-#include "granular/run/world_archive.h"
-#include "run/scene_texts.h"
+#include "run/resume_fixture.h"
 
 namespace granular {
 namespace {
 
-class Resume : public RunTest {
+class Resume : public ResumeTest {
  protected:
-  /// Everything of the world that goes into a checkpoint, but the time it took.
-  static std::map<std::string, DataSet> stateOf(PackingRun& run) {
-    Archive archive;
-    describe(archive, run.world());
-    std::map<std::string, DataSet> state = archive.content();
-    state.erase("report/stage_seconds");
-    return state;
-  }
-
-  static void expectSameState(PackingRun& a, PackingRun& b) {
-    const auto first = stateOf(a), second = stateOf(b);
-    ASSERT_EQ(first.size(), second.size());
-    for (const auto& [name, set] : first) {
-      ASSERT_TRUE(second.contains(name)) << name;
-      EXPECT_TRUE(set.bytes == second.at(name).bytes) << name << " differs";
-    }
-    EXPECT_EQ(a.progress().calm, b.progress().calm);
-    EXPECT_EQ(a.progress().pouredAt, b.progress().pouredAt);
-    EXPECT_EQ(a.progress().smallestBound, b.progress().smallestBound);
-    EXPECT_EQ(a.inserter().state().postponed, b.inserter().state().postponed);
-    EXPECT_EQ(a.inserter().state().attempts, b.inserter().state().attempts);
-  }
-
   /// Stops at every one of the times, resumes with another number of threads each time, and compares the end.
   void expectSameEnd(const std::string& text, const std::vector<double>& stops) {
     const SceneSource source = write(text, {"threads=1"});
@@ -58,27 +31,8 @@ class Resume : public RunTest {
     expectSameState(whole, last);
   }
 
-  /// The same at a given time instead of at rest: with one stop on the way.
-  void expectSameAt(double end, double stop, const std::string& text, std::vector<std::string> overrides = {}) {
-    const auto until = [](double time) { return fmt::format("time.max_time={}", time); };
-    overrides.push_back("threads=1");
-    const SceneSource source = write(text, overrides);
-    SceneSource full = source, shortened = source;
-    full.overrides.push_back(until(end));
-    shortened.overrides.push_back(until(stop));
-    PackingRun whole(full);
-    ASSERT_EQ(whole.run(makeFolder("whole"), never), RunEnd::outOfTime);
-    EXPECT_GT(whole.world().contactCount(), 0u);
-    const auto out = makeFolder("parts");
-    EXPECT_EQ(PackingRun(shortened).run(out, never), RunEnd::outOfTime);
-    PackingRun last = PackingRun::resumed(out, {until(end)});
-    EXPECT_EQ(last.run(out, never), RunEnd::outOfTime);
-    expectSameState(whole, last);
-  }
-  const std::string few = "[insertion]\nkind = \"batches\"\ncount = 10\nbatch = 10\n";
   const std::string cubes = "[[particles]]\nshape = \"cuboid\"\nhalf_lengths = [\"1.2 mm\", \"1.2 mm\", \"1.5 mm\"]\n";
 
-  static std::string settle(const std::string& kind) { return "[settle]\nkind = \"" + kind + "\"\n"; }
   const std::string batches = "[insertion]\nkind = \"batches\"\ncount = 24\nbatch = [6, 9]\n";
   const std::vector<double> stops{0.0002, 0.013, 0.031, 0.0613, 0.063, 0.09};
 };
@@ -119,10 +73,6 @@ TEST_F(Resume, PosesEndInTheSameBits) {
       spheres + "[[particles]]\nshape = \"cuboid\"\nhalf_lengths = [\"1.2 mm\", \"1.2 mm\", \"1.5 mm\"]\n";
   const std::string poses = "[insertion]\nkind = \"poses\"\nfile = \"poses.txt\"\n";
   expectSameEnd(narrowBox + commonText + groups + poses + settle("sleep"), {0.0002, 0.02, 0.033, 0.034, 0.04});
-}
-
-TEST_F(Resume, ManifoldsEndInTheSameBits) {
-  expectSameAt(0.03, 0.0271, narrowBox + commonText + cubes + few, {"model.point_rule=manifold"});
 }
 
 TEST_F(Resume, SpiralEndsInTheSameBits) {

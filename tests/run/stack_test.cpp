@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
+#include <tuple>
 
 #include "granular/core/errors.h"
 #include "granular/run/stack_modes.h"
 #include "granular/run/stack_report.h"
+#include "io/scratch_folder.h"
+#include "run/scene_texts.h"
 
 namespace granular {
 namespace {
@@ -128,6 +132,126 @@ TEST(Tower, OfBulletCarriesItsWeightToo) {
   const StackResult result = runBulletStack(settings);
   EXPECT_TRUE(result.standing);
   EXPECT_LT(result.worstInterlayer, 0.05);
+}
+
+class TowerCheckpoint : public ScratchFolder {
+ protected:
+  static StackSettings makeShaken() {
+    StackSettings settings = makeTower(PointRule::stiffPatch, 6);
+    settings.perturbation = 1e-3;
+    settings.time = 0.02;
+    return settings;
+  }
+
+  static void expectSame(const StackResult& a, const StackResult& b) {
+    EXPECT_EQ(a.steps, b.steps);
+    EXPECT_EQ(a.simulated, b.simulated);
+    EXPECT_EQ(a.fellAt, b.fellAt);
+    EXPECT_EQ(a.maxDrift, b.maxDrift);
+    EXPECT_EQ(a.maxTilt, b.maxTilt);
+    EXPECT_EQ(a.kineticEnergy, b.kineticEnergy);
+    EXPECT_EQ(a.energyTrend, b.energyTrend);
+    EXPECT_EQ(a.worstInterlayer, b.worstInterlayer);
+    EXPECT_EQ(a.deepestOverlap, b.deepestOverlap);
+    ASSERT_EQ(a.samples.size(), b.samples.size());
+    for (std::size_t k = 0; k < a.samples.size(); ++k) {
+      const StackSample &x = a.samples[k], &y = b.samples[k];
+      EXPECT_EQ(std::tie(x.time, x.kineticEnergy, x.speed, x.drift, x.tilt),
+                std::tie(y.time, y.kineticEnergy, y.speed, y.drift, y.tilt))
+          << k;
+    }
+    ASSERT_EQ(a.poses.size(), b.poses.size());
+    for (std::size_t k = 0; k < a.poses.size(); ++k) {
+      EXPECT_EQ(a.poses[k].x, b.poses[k].x);
+      EXPECT_EQ(a.poses[k].q.coeffs(), b.poses[k].q.coeffs());
+    }
+  }
+
+  /// Stops at the samples of these numbers, and compares the end with that of an undisturbed run.
+  void expectSameEnd(const StackSettings& settings, const std::vector<int>& stops) {
+    const StackResult whole = runStack(settings);
+    std::optional<StackResult> last;
+    for (const int stop : stops) {
+      const auto watch = [&](const StackSample& sample) {
+        return std::lround(sample.time / settings.sampleEvery) != stop;
+      };
+      StackRun part = last ? StackRun::resumed(folder) : StackRun(settings);
+      last = part.run(watch, {folder});
+      ASSERT_TRUE(last->stopped);
+    }
+    last = StackRun::resumed(folder).run();
+    EXPECT_FALSE(last->stopped);
+    expectSame(whole, *last);
+  }
+};
+
+TEST_F(TowerCheckpoint, EveryRuleEndsInTheSameBits) {
+  for (int rule = 0; rule <= static_cast<int>(PointRule::foundation); ++rule) {
+    StackSettings settings = makeShaken();
+    settings.rule.rule = static_cast<PointRule>(rule);
+    SCOPED_TRACE(pointRuleName(settings.rule.rule));
+    expectSameEnd(settings, {7});
+  }
+}
+
+TEST_F(TowerCheckpoint, EveryLawOfATowerEndsInTheSameBits) {
+  for (const LawKind law : {LawKind::linear, LawKind::linearLocal, LawKind::tensor}) {
+    StackSettings settings = makeShaken();
+    settings.law = law;
+    SCOPED_TRACE(lawName(law));
+    expectSameEnd(settings, {1, 2, 13, 19});
+  }
+}
+
+TEST_F(TowerCheckpoint, OfUnequalCuboidsDroppedWithNothingSkippedEndsInTheSameBits) {
+  StackSettings settings = makeShaken();
+  settings.sizes = {1, 0.5, 0.7};
+  settings.start = StackSettings::Start::drop;
+  settings.skip = false;
+  expectSameEnd(settings, {3, 11});
+}
+
+TEST_F(TowerCheckpoint, OfATowerThatFallsEndsInTheSameBits) {
+  StackSettings settings = makeTower(PointRule::patch, 35);
+  settings.sway = 5e-2;
+  settings.time = 2;
+  settings.sampleEvery = 2e-3;
+  settings.fallenDrift = 0.2;
+  StackResult whole = runStack(settings);
+  ASSERT_FALSE(whole.standing);
+  expectSameEnd(settings, {static_cast<int>(whole.samples.size()) - 1});
+}
+
+TEST_F(TowerCheckpoint, WrittenOnTheWayIsAsGoodAndMayBeGivenMoreTime) {
+  StackSettings settings = makeShaken();
+  // So often that every sample has one; the steps don't divide the time, so that the last sample comes early.
+  const StackResult shorter = StackRun(settings).run({}, {folder, 1e-9});
+  const double last = StackRun::resumed(folder).time();
+  EXPECT_GT(last, 0.9 * settings.time);
+  EXPECT_LT(last, shorter.simulated);
+  settings.time = 0.03;
+  expectSame(runStack(settings), StackRun::resumed(folder, 0.03).run());
+}
+
+TEST_F(TowerCheckpoint, ThatCannotBeUsedIsRefusedWithTheReason) {
+  const auto refusal = [&](std::optional<double> time) {
+    try {
+      StackRun::resumed(folder, time);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  expectMentions(refusal({}), {"checkpoint.h5", "no such checkpoint"});
+  const StackSettings settings = makeShaken();
+  StackRun(settings).run([](const StackSample& sample) { return sample.time < 0.01; }, {folder});
+  expectMentions(refusal(0.005), {"time = 0.005 s", "already at"});
+  try {
+    PackingRun::resumed(folder);
+    FAIL();
+  } catch (const InputError& error) {
+    expectMentions(error.what(), {folder.string(), "not that of a packing"});
+  }
 }
 
 TEST(Tower, RefusesSettingsThatMeanNothing) {
