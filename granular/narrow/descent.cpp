@@ -26,13 +26,6 @@ void holdApart(LocalMinimum& m) {
 
 }  // namespace
 
-LocalMinimum standOn(Difference& c, const Vec3& normal) {
-  const SupportPoint p = c.support(normal);
-  LocalMinimum out{normal, p.w.dot(normal), p.a, p.b};
-  holdApart(out);
-  return out;
-}
-
 LocalMinimum descend(Difference& c, const Vec3& start) {
   const double g = stepGap * c.size();
   const double roundOff = 4 * std::numeric_limits<double>::epsilon() * c.extent();

@@ -19,7 +19,4 @@ struct LocalMinimum {
 /// Descends from the unit direction start.
 LocalMinimum descend(Difference& c, const Vec3& start);
 
-/// A direction taken as it is, with its depth and deepest points.
-LocalMinimum standOn(Difference& c, const Vec3& normal);
-
 }  // namespace granular

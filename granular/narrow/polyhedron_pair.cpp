@@ -209,7 +209,7 @@ bool searchPolyhedra(const PairView& view, const Pair& pair, Difference& c, cons
 
   // No feature owns up to the minimum within the tolerances: the direction itself is the answer, certified by the
   // bounds.
-  return reportTouch(view, WarmCache::smooth, standOn(c, bounds.normal), cache, counts, touch);
+  return reportTouch(view, WarmCache::smooth, descend(c, bounds.normal), cache, counts, touch);
 }
 
 }  // namespace

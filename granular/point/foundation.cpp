@@ -8,7 +8,7 @@
 namespace granular {
 
 Pressure pressFoundation(const AreaMoments& m, double referenceArea) {
-  return {m.centroidOfVolume(), m.volume / m.area, m.square / m.area, m.area / referenceArea};
+  return {m.centroidOfVolume(), m.volume / m.area, std::max(0.0, m.square / m.area), m.area / referenceArea};
 }
 
 double referenceArea(double size) {

@@ -21,10 +21,10 @@ Pressure pressStiffPatch(const AreaMoments& m, int sharpness, double overlap) {
   const DepthPowers& I = m.powers;
   const double p = sharpness;
   Pressure out;
-  // Faces that touch within round-off have depths of nothing beside the overlap, whose powers are lost: they press with
-  // nothing. Above this the quotients keep all their digits.
+  // Faces that touch within round-off have depths of nothing beside the overlap, or of many times that, whose powers are
+  // lost: they press with nothing. Between these bounds the quotients keep all their digits.
   constexpr double least = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
-  if (!(I.at > least * m.area)) {
+  if (!(I.at > least * m.area && I.at < m.area / least)) {
     out.centre = m.centroidOfVolume();
     out.depth = out.squaredDepth = 0;
     return out;
