@@ -60,7 +60,11 @@ class MeshWall final : public Wall {
       ++kind;
     }
     const std::span<WallTouch> mine(out.begin() + begin, out.end());
-    shareStiffness(scratch.claims, mine);
+    if (rule.rule == PointRule::foundation) {
+      fadeStiffness(scratch.claims, mine);
+    } else {
+      shareStiffness(scratch.claims, mine);
+    }
     std::sort(mine.begin(), mine.end(), [](const WallTouch& s, const WallTouch& t) { return s.spot < t.spot; });
   }
 

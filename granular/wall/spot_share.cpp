@@ -15,4 +15,9 @@ void shareStiffness(std::span<const Claim> claims, std::span<WallTouch> touches)
   }
 }
 
+void fadeStiffness(std::span<const Claim> claims, std::span<WallTouch> touches) {
+  assert(claims.size() == touches.size());
+  for (std::size_t s = 0; s < touches.size(); ++s) touches[s].share = claims[s].weight / claims[s].full;
+}
+
 }  // namespace granular

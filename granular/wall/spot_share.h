@@ -19,4 +19,8 @@ struct Claim {
 /// continuous. One claim per touch.
 void shareStiffness(std::span<const Claim> claims, std::span<WallTouch> touches);
 
+/// Under the rule `foundation` a spot's stiffness is that of its own area, and there is nothing to share; what fades
+/// still does: share_s = weight_s / full_s.
+void fadeStiffness(std::span<const Claim> claims, std::span<WallTouch> touches);
+
 }  // namespace granular
