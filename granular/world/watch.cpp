@@ -49,14 +49,14 @@ void watch(World& world) {
       deepestContact = &chunk.contacts[static_cast<std::size_t>(chunk.deepestContact)];
     }
   }
-  if (deepest > report.deepestOverlap) {
+  if (deepestContact && deepest > report.deepestOverlap) {
     const Trouble names = troubleOf(world, *deepestContact, Trouble::Kind::deepOverlap, deepest);
     report.deepestOverlap = deepest;
     report.deepestTime = world.time;
     report.deepestA = names.bodyA;
     report.deepestB = names.bodyB;
   }
-  if (deepest > world.options.deepOverlap) {
+  if (deepestContact && deepest > world.options.deepOverlap) {
     addTrouble(troubleOf(world, *deepestContact, Trouble::Kind::deepOverlap, deepest), report);
   }
 

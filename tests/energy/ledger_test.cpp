@@ -331,7 +331,8 @@ std::unique_ptr<World> makeHeap(WorldOptions options, bool energy, int perSide, 
   Random random(5);
   for (int k = 0; k < perSide * perSide * perSide; ++k) {
     Pose pose;
-    pose.x = pitch * Vec3(k % perSide + .5, k / perSide % perSide + .5, k / (perSide * perSide) + .56);
+    const int row = k / perSide % perSide, layer = k / (perSide * perSide);
+    pose.x = pitch * Vec3(k % perSide + .5, row + .5, layer + .56);
     pose.q = random.rotation();
     const Vec3 v(.2 * random.normal(), .2 * random.normal(), .2 * random.normal() - .3);
     if (k % 2) {

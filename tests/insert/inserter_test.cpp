@@ -236,7 +236,7 @@ TEST(Inserter, UprightParticlesStandOnTheirAxis) {
 
 TEST(Inserter, ParticleLargerThanTheVesselIsRefusedByName) {
   try {
-    Inserter(PourOptions{}, {makeSpheres(3, 1e-3), makeSpheres(1, 30e-3)}, makeVessel(25e-3), {}, 1);
+    const Inserter inserter(PourOptions{}, {makeSpheres(3, 1e-3), makeSpheres(1, 30e-3)}, makeVessel(25e-3), {}, 1);
     FAIL() << "accepted";
   } catch (const InputError& error) {
     const std::string message = error.what();

@@ -59,7 +59,9 @@ inline PairVerdict judge(const PairSample& pair, const Frame& frameA, const Fram
   // A sphere's normal is the direction between two points as near to each other as its radius; the depth along it is
   // felt at the other body's extent.
   const bool ball = a.kind() == ShapeKind::sphere || b.kind() == ShapeKind::sphere;
-  const double size = pair.size(), rounding = roundOff(pair) * (ball ? pair.reach() / size : 1);
+  // Faces that are nearly one are told apart no better than a tie.
+  const double size = pair.size();
+  const double rounding = roundOff(pair) * (ball ? pair.reach() / size : 1) + tolerance::tie * size;
   if (counts.uncertified > 0) verdict.fault = "uncertified";
   if (!touches) {
     const bool swapped = a.kind() > b.kind();
