@@ -216,7 +216,10 @@ TEST(Alignment, ABlockOfCubesWithCommonFacesEdgesAndCornersStands) {
     addFloor(*world);
     const double half = 1.5e-3;
     const auto cube = cuboidOf(Vec3::Constant(half));
-    for (int k = 0; k < 27; ++k) place(*world, cube, half * Vec3(2 * (k % 3), 2 * (k / 3 % 3), 1 + 2 * (k / 9)));
+    for (int k = 0; k < 27; ++k) {
+      const int row = k / 3 % 3, layer = k / 9;
+      place(*world, cube, half * Vec3(2 * (k % 3), 2 * row, 1 + 2 * layer));
+    }
     const std::vector<Vec3> before = world->bodies.x;
     runFor(*world, 5e-6, 5e-3);
     EXPECT_TRUE(isFinite(*world));
