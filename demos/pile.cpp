@@ -1,4 +1,5 @@
-// Drops particles one by one beside a wall in a plane, or through a hopper onto a cone, and measures the pile.
+// Drops particles one by one beside a wall in a plane, or through a hopper onto a cone, and measures the pile; or the
+// heap of any other scene.
 #include "granular/run/pile.h"
 
 #include <omp.h>
@@ -29,7 +30,7 @@ struct Options {
   PileSettings pile;
   std::string shape = "ellipsoid";
   double step = 0;
-  fs::path out, resume;
+  fs::path out, resume, scene;
   std::vector<std::string> overrides;
   int threads = 1;
   bool dryRun = false, picture = true;
@@ -44,15 +45,16 @@ void writeScene(const PileSettings& pile, const fs::path& folder) {
 
 granular::PackingRun makeRun(const Options& options) {
   if (!options.resume.empty()) return granular::PackingRun::resumed(options.resume, options.overrides);
-  return granular::PackingRun(granular::SceneSource::read(options.out / "pile.toml", options.overrides));
+  const fs::path scene = options.scene.empty() ? options.out / "pile.toml" : options.scene;
+  return granular::PackingRun(granular::SceneSource::read(scene, options.overrides));
 }
 
 int run(const Options& options) {
   const fs::path out = options.resume.empty() ? options.out : granular::checkpointFolder(options.resume);
   if (options.resume.empty()) {
-    granular::checkPile(options.pile);
+    if (options.scene.empty()) granular::checkPile(options.pile);
     granular::prepareOutputFolder(out);
-    writeScene(options.pile, out);
+    if (options.scene.empty()) writeScene(options.pile, out);
   }
   granular::PackingRun pile = makeRun(options);
   omp_set_num_threads(options.threads > 0 ? options.threads : omp_get_num_procs());
@@ -88,6 +90,7 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--spheres", p.spheres, "clump: how many, an odd number (default 17)");
   app.add_option("--count", p.count, "particles (default 1000)");
   app.add_option("--seed", p.seed, "seed of all random numbers (default 1)");
+  app.add_option("--scene", o.scene, "instead of all that describes a pile: measure the heap that this scene makes");
   app.add_option("--out", o.out, "folder of the results");
   app.add_option("--resume", o.resume, "go on from this folder's newest checkpoint, or from a checkpoint file");
   app.add_option("--half-length", p.halfLength, "of the ellipsoid, m (default 2.7e-3)");
@@ -126,6 +129,12 @@ int parseAndRun(int argc, char** argv) {
   if (app.count("--dt") > 0) options.pile.step = options.step;
   granular::require(options.resume.empty() != options.out.empty(),
                     "give --out with a folder for the results, or --resume with that of an interrupted run");
+  for (const char* option : {"--shape", "--spheres", "--count", "--seed", "--half-length", "--half-width", "--mass",
+                             "--young", "--poisson", "--friction", "--damping", "--height", "--interval", "--rest",
+                             "--sleep", "--dt", "--three-d", "--orifice", "--outlet"}) {
+    granular::require(options.scene.empty() || app.count(option) == 0,
+                      std::string(option) + ": not beside --scene, which says all of the heap (--set changes it)");
+  }
   granular::require(app.count("--spheres") == 0 || options.shape == "clump", "--spheres: only clumps have them");
   return run(options);
 }

@@ -34,7 +34,8 @@ State integrate(const RotationScheme& scheme, const Vec3& inertia, State state, 
 }
 
 /// The oracle: Runge-Kutta of order four in small steps.
-State integrateFinely(const Vec3& inertia, State state, const Torque& torque, double time, int steps) {
+State integrateFinely(const Vec3& inertia, const State& start, const Torque& torque, double time, int steps) {
+  State state = start;
   const double h = time / steps;
   using Vec7 = Eigen::Matrix<double, 7, 1>;
   const auto pack = [](const Quat& q, const Vec3& w) {

@@ -7,6 +7,7 @@
 
 #include "granular/core/errors.h"
 #include "granular/io/scene_file.h"
+#include "run/demo_outcome.h"
 #include "run/scene_texts.h"
 
 namespace granular {
@@ -155,6 +156,48 @@ TEST_F(Pile, InSpaceRunsThroughTheHopper) {
   const PileResult result = writePileReport(run, RunEnd::rested, 1, folder / "cone");
   EXPECT_FALSE(result.porosity);
   EXPECT_GT(result.height.value_or(0), 0);
+}
+
+TEST_F(Pile, OfAnySceneIsMeasuredByTheDemo) {
+  if (!std::filesystem::exists(GRANULAR_PILE)) GTEST_SKIP() << GRANULAR_PILE << " is not built";
+  const auto scene = folder / "rocks.toml";
+  std::ofstream(scene) << commonText << R"(
+[vessel]
+kind = "none"
+[[wall]]
+kind = "plane"
+name = "floor"
+normal = [0, 0, 1]
+[[particles]]
+shape = "mesh"
+unit = "m"
+files = [")" << GRANULAR_SOURCE_DIR
+                       << R"(/meshes/boulder.obj"]
+use = "clump"
+spheres = 5
+count = 12
+[particles.size]
+as = "diameter"
+value = 0.005
+[insertion]
+kind = "drop"
+rate = 400
+from = [-0.002, -0.002, 0.01]
+to = [0.002, 0.002, 0.03]
+)";
+  const std::string out = (folder / "heap").string();
+  const std::string words = "--scene " + scene.string() + " --no-picture --out " + out;
+  const DemoOutcome done = runDemo(GRANULAR_PILE, words + " --set time.max_time=0.1");
+  EXPECT_EQ(done.code, 0) << done.text;
+  std::ifstream file(out + "/result.json");
+  const auto result = nlohmann::json::parse(file);
+  EXPECT_TRUE(result.contains("repose_angle_deg"));
+  EXPECT_GT(result.at("pile_height_m").get<double>(), 0);
+  EXPECT_EQ(result.at("particles"), 12);
+
+  const DemoOutcome both = runDemo(GRANULAR_PILE, words + " --count 5");
+  EXPECT_EQ(both.code, 1);
+  EXPECT_NE(both.text.find("--count: not beside --scene"), std::string::npos) << both.text;
 }
 
 }  // namespace
