@@ -19,6 +19,7 @@ double offset2(const Vec3& onA, const Vec3& onB, const Vec3& normal) {
 
 /// Moves the two points along the normal so that they are the overlap apart, exactly.
 void holdApart(LocalMinimum& m) {
+  m.off = std::sqrt(offset2(m.onA, m.onB, m.normal));
   const Vec3 middle = 0.5 * (m.onA + m.onB);
   m.onA = middle + 0.5 * m.depth * m.normal;
   m.onB = middle - 0.5 * m.depth * m.normal;

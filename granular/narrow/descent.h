@@ -11,9 +11,10 @@ namespace granular {
 
 /// A's body axes, m.
 struct LocalMinimum {
-  Vec3 normal;    ///< unit, from A to B
-  double depth;   ///< h(normal); negative: the two are apart
-  Vec3 onA, onB;  ///< deepest points: onA - onB = depth * normal
+  Vec3 normal;     ///< unit, from A to B
+  double depth;    ///< h(normal); negative: the two are apart
+  Vec3 onA, onB;   ///< deepest points: onA - onB = depth * normal
+  double off = 0;  ///< of a search that ended beside the minimum: how far its points lay from opposite each other
 };
 
 /// Descends from the unit direction start.

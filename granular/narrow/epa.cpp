@@ -5,8 +5,8 @@
 namespace granular {
 namespace {
 
-constexpr int maxVertices = 256;
-constexpr int maxFacets = 2 * maxVertices;
+/// Corners of a polytope: enough for all but bodies on a common axis or around each other, and for those.
+constexpr int fewCorners = 256, manyCorners = 2048;
 
 struct Facet {
   Vec3 normal;
@@ -17,7 +17,10 @@ struct Facet {
 };
 
 /// A triangulated polytope with its facets in an array without gaps.
+template <int maxVertices>
 class Polytope {
+  static constexpr int maxFacets = 2 * maxVertices;
+
  public:
   Polytope(double roundOffLength, const GrantedCone* cone) : roundOff(roundOffLength), granted(cone) {}
 
@@ -108,7 +111,8 @@ class Polytope {
 };
 
 /// Walks from a facet over all connected facets that see the point; gathers them and the rim around them.
-bool Polytope::collectSeen(int start, const Vec3& point) {
+template <int maxVertices>
+bool Polytope<maxVertices>::collectSeen(int start, const Vec3& point) {
   seenCount = 0;
   horizonCount = 0;
   seen[static_cast<std::size_t>(seenCount++)] = start;
@@ -141,7 +145,8 @@ bool Polytope::collectSeen(int start, const Vec3& point) {
   return fits;
 }
 
-bool Polytope::expand(int slot, const SupportPoint& p) {
+template <int maxVertices>
+bool Polytope<maxVertices>::expand(int slot, const SupportPoint& p) {
   if (vertexCount == maxVertices) return false;
   if (!collectSeen(order[static_cast<std::size_t>(slot)], p.w)) return false;
   if (used - freeCount + horizonCount > maxFacets) return false;
@@ -179,7 +184,8 @@ bool Polytope::expand(int slot, const SupportPoint& p) {
 }
 
 /// Four points of C far from flat: the extremes along a direction, across it, and across both.
-bool makeStart(Difference& c, const Vec3& start, Polytope& polytope, DepthBounds& out) {
+template <int maxVertices>
+bool makeStart(Difference& c, const Vec3& start, Polytope<maxVertices>& polytope, DepthBounds& out) {
   auto take = [&](const Vec3& n) {
     const SupportPoint p = c.support(n);
     ++out.supports;
@@ -212,11 +218,10 @@ bool makeStart(Difference& c, const Vec3& start, Polytope& polytope, DepthBounds
   return polytope.startTetrahedron();
 }
 
-}  // namespace
-
-DepthBounds boundOverlap(Difference& c, const Vec3& start, double known, double tolerance, const GrantedCone* granted) {
+template <int maxVertices>
+DepthBounds expandTo(Difference& c, const Vec3& start, double known, double tolerance, const GrantedCone* granted) {
   DepthBounds out;
-  Polytope polytope(8 * std::numeric_limits<double>::epsilon() * c.extent(), granted);
+  Polytope<maxVertices> polytope(8 * std::numeric_limits<double>::epsilon() * c.extent(), granted);
   if (!makeStart(c, start, polytope, out)) return out;
   if (known < out.upper) {
     out.upper = known;
@@ -243,6 +248,16 @@ DepthBounds boundOverlap(Difference& c, const Vec3& start, double known, double 
   }
   out.met = out.upper < 0 || out.lower >= out.upper - tolerance;
   return out;
+}
+
+}  // namespace
+
+DepthBounds boundOverlap(Difference& c, const Vec3& start, double known, double tolerance, const GrantedCone* granted) {
+  return expandTo<fewCorners>(c, start, known, tolerance, granted);
+}
+
+DepthBounds boundOverlapFinely(Difference& c, const Vec3& start, double known, double tolerance) {
+  return expandTo<manyCorners>(c, start, known, tolerance, nullptr);
 }
 
 }  // namespace granular

@@ -138,6 +138,10 @@ bool touchByCores(const PairView& pair, Difference& c, WarmCache& cache, NarrowC
   return reportNamed(pair, c, found, cache, counts, touch);
 }
 
+/// True if what a search found is the minimum for all purposes of a warm answer: its points' offset, the slope of the
+/// depth, takes no more off over the ten degrees that the proofs grant (global_proof.h) than these do.
+bool isStationary(const LocalMinimum& found, double size) { return found.off <= 0.1 * found.depth + 1e-8 * size; }
+
 /// The minimum that the last pieces make, if they still make one.
 PieceMinimum findLastPieces(const PairView& pair, Difference& c, const WarmCache& cache) {
   if (cache.featureA == 0 || cache.featureB == 0) return {};
@@ -196,9 +200,10 @@ bool meetsWhereMinimaAreMany(double depth, double lower, double size) {
   return depth - lower <= (deep ? tolerance::deepCertificate : tolerance::coaxialCertificate) * depth;
 }
 
-/// The lower bound by polytopes that begin elsewhere: of bodies a hundredfold apart in size, one that began across the
-/// contact may have facets so long and thin that round-off ends it.
-double boundFromElsewhere(Difference& c, const LocalMinimum& found, double tolerance, double reached) {
+/// The lower bound by a finer polytope, and by others that begin elsewhere: of bodies a hundredfold apart in size, one
+/// that began across the contact may have facets so long and thin that round-off ends it.
+double boundAgain(Difference& c, const LocalMinimum& found, double tolerance, double reached) {
+  reached = std::max(reached, boundOverlapFinely(c, found.normal, found.depth, tolerance).lower);
   const Vec3 u = perpendicular(found.normal), v = found.normal.cross(u);
   for (int k = 0; k < 12 && !(found.depth - reached <= tolerance); ++k) {
     const double azimuth = 2.4 * k;  // the golden angle: no two alike
@@ -240,7 +245,7 @@ SearchResult searchConvex(Difference& c, const Vec3& guess, const PenetrationAns
     replaced = replaced || out.minimum.depth < before - tolerance;
     lower = boundByCores(c, out.minimum, tolerance, lower);
     if (!meetsWhereMinimaAreMany(out.minimum.depth, lower, c.size()))
-      lower = boundFromElsewhere(c, out.minimum, tolerance, lower);
+      lower = boundAgain(c, out.minimum, tolerance, lower);
     certified = out.minimum.depth - lower <= tolerance;
   }
   out.apart = !(out.minimum.depth > 0);
@@ -293,7 +298,7 @@ bool touchConvex(const PairView& pair, WarmCache& cache, NarrowCounts& counts, T
     if (!nearby.holds) nearby.minimum = settle(c, cache.direction);
     const LocalMinimum& local = nearby.minimum;
     const bool apart = !(local.depth > 0);
-    if (apart || isGlobalMinimum(pair, c, local, nearby.margin, cache)) {
+    if (apart || (isStationary(local, c.size()) && isGlobalMinimum(pair, c, local, nearby.margin, cache))) {
       ++counts.warm;
       if (!apart && !byPieces) return reportNamed(pair, c, local, cache, counts, touch);
       if (byPieces) {

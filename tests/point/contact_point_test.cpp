@@ -173,7 +173,8 @@ TEST(Overlap, IntegralIsTheVolumeOfTheIntersection) {
     const double h = 4.0 / n;
     double counted = 0;
     for (int i = 0; i < n * n * n; ++i) {
-      const Vec3 p(-2 + (i % n + .5) * h, -2 + (i / n % n + .5) * h, -.2 * (i / n / n + .5) / n);
+      const int row = i / n % n, layer = i / n / n;
+      const Vec3 p(-2 + (i % n + .5) * h, -2 + (row + .5) * h, -.2 * (layer + .5) / n);
       counted += makeCube().contains(frame.toBody(p));
     }
     counted *= h * h * .2 / n;

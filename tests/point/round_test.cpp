@@ -171,7 +171,8 @@ TEST(Overlap, OfGrainsIsTheIntegralOfTheirDepthByLines) {
     const double h = 2.0 / lines;
     AreaMoments counted;
     for (int k = 0; k < lines * lines; ++k) {
-      const Vec2 x(-1 + (k % lines + .5) * h, -1 + (k / lines + .5) * h);
+      const int row = k / lines;
+      const Vec2 x(-1 + (k % lines + .5) * h, -1 + (row + .5) * h);
       const double d = findTop(a, frameA, plane, x, 1) + findTop(b, frameB, plane, x, -1);
       if (!(d > 0)) continue;
       counted.area += h * h;
