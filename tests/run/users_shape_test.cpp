@@ -65,7 +65,8 @@ TEST(UsersShape, TwoHundredPourIntoABox) {
     NewBody body;
     body.shapeIndex = index;
     body.density = 1200;
-    const Vec3 cell(k % perSide, k / perSide % perSide, k / perSide / perSide);
+    const int row = k / perSide % perSide, layer = k / perSide / perSide;
+    const Vec3 cell(k % perSide, row, layer);
     body.pose.x = pitch * (cell + Vec3(0.5, 0.5, 0.5)) - Vec3(half, half, 0);
     body.pose.q = random.rotation();
     body.velocity = Vec3(0.05 * random.normal(), 0.05 * random.normal(), -30 * body.pose.x.z());
