@@ -223,10 +223,14 @@ struct AnalysisSettings {
 
 /// When a run is in trouble, and what then.
 struct LimitSettings {
-  enum class Action { stop, proceed };
+  /// stop: with a checkpoint of the last good state; proceed: count and tell; smallerStep, remove: back to the last
+  /// good state, and on from there with half the step, or without the body named.
+  enum class Action { stop, proceed, smallerStep, remove };
   Action onTrouble = Action::stop;
   double maxOverlap = 0.2;     ///< fraction of the size
   double maxSpeed = 100;       ///< m/s
+  double maxTravel = 0.5;      ///< of a surface in one step, fraction of the smallest size
+  double maxGain = 0.1;        ///< energy from nothing, fraction of the kinetic energy and m g d of all bodies
   double wallTime = infinity;  ///< s: then a checkpoint is written and the run stops
 };
 

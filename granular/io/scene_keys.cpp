@@ -42,7 +42,7 @@ constexpr std::string_view insertions[] = {"batches", "rain", "drop", "poses", "
 constexpr std::string_view turns[] = {"any", "x", "y", "z", "none"};
 constexpr std::string_view orientations[] = {"random", "upright"};
 constexpr std::string_view settleKinds[] = {"none", "freeze", "sleep"};
-constexpr std::string_view actions[] = {"stop", "continue"};
+constexpr std::string_view actions[] = {"stop", "continue", "smaller_step", "remove"};
 
 /// A choice kept as text, because another room owns its table.
 void readTextChoice(KeyVisitor& v, const Key& key, std::string& value, std::span<const std::string_view> names) {
@@ -339,9 +339,17 @@ void visitAnalysis(KeyVisitor& v, AnalysisSettings& s) {
 }
 
 void visitLimits(KeyVisitor& v, LimitSettings& s) {
-  v.readEnum({"on_trouble", "when a limit is passed"}, s.onTrouble, actions);
+  v.readEnum({"on_trouble",
+              "when a limit is passed: end with the last good state; count and go on; back to the last good "
+              "state, and on from there with half the time step, or without the particle named"},
+             s.onTrouble, actions);
   v.readNumber({"max_overlap", "fraction of the size"}, s.maxOverlap, D::none, positive);
   v.readNumber({"max_speed", "of any particle"}, s.maxSpeed, D::velocity, positive);
+  v.readNumber({"max_travel", "of any surface in one step, fraction of the smallest size"}, s.maxTravel, D::none,
+               positive);
+  v.readNumber(
+      {"max_gain", "energy from nothing within some contact times, fraction of the kinetic energy and m g d of all"},
+      s.maxGain, D::none, positiveOrInfinite);
   v.readNumber({"wall_time", "then a checkpoint is written and the run stops"}, s.wallTime, D::time,
                positiveOrInfinite);
 }

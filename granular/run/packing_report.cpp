@@ -73,10 +73,12 @@ RunResult collectRun(const PackingRun& run, RunEnd end, int threads) {
                  {"batches_not_consolidated", static_cast<double>(run.progress().lateBatches)},
                  {"insertions_postponed", static_cast<double>(run.inserter().state().postponed)},
                  {"particles_left_out", static_cast<double>(leftOut)},
+                 {"particles_taken_out", static_cast<double>(run.progress().removed.size())},
                  {"bodies_fallen_asleep", static_cast<double>(world.sleep.fallen)},
                  {"bodies_woken", static_cast<double>(world.sleep.woken)},
                  {"energy_let_go_asleep_j", world.sleep.energyLetGo}};
   result.skipped = run.scene().skip;
+  for (const std::string& answer : run.progress().answers) result.notes.push_back(answer);
   for (const Trouble& trouble : report.troubles) result.notes.push_back(describe(trouble));
   return result;
 }

@@ -27,15 +27,10 @@ using Clock = std::chrono::steady_clock;
 /// Steps between looks at the whole bed: often enough to see a rest of milliseconds, seldom enough to cost nothing.
 std::int64_t observationSteps(double dt) { return std::max<std::int64_t>(1, std::llround(1e-4 / dt)); }
 
-/// The part of a checkpoint from which everything else can be built.
-void visitSource(Archive& archive, SceneSource& source) {
-  archive.inGroup("scene", [&] {
-    std::string file = source.file.string();
-    archive.visit("file", file, {"", "path of the scene file"});
-    source.file = file;
-    archive.visit("text", source.text, {"", "its content"});
-    archive.visit("overrides", source.overrides, {"", "key.path=value"});
-  });
+/// Steps between states kept in memory to go back to: a copy costs about as much as one step. A whole number of looks.
+std::int64_t keepingSteps(double dt) {
+  const std::int64_t look = observationSteps(dt);
+  return (1000 + look - 1) / look * look;
 }
 
 /// What may differ from the interrupted run without touching its motion.
@@ -43,10 +38,6 @@ bool mayChangeOnResume(std::string_view entry) {
   const std::string_view key = entry.substr(0, entry.find('='));
   return key == "threads" || key == "time.max_time" || key.starts_with("rest.") || key.starts_with("output.") ||
          key.starts_with("limits.");
-}
-
-double weightTimesSize(const Bodies& bodies, std::size_t i, double gravity) {
-  return bodies.mass[i] * gravity * 2 * bodies.shape[i]->size();
 }
 
 }  // namespace
@@ -203,9 +194,15 @@ void PackingRun::chooseTimes() {
   } else {
     dt = settings.time.fraction * stepBound.bound;
   }
+  for (const BodyKind& kind : kinds) smallestSize = std::min(smallestSize, kind.shape->size());
+  limitSpeed();
   // Waves of an impact pass within some ten contact times.
   state->options.sleep.time = settings.settle.time.value_or(50 * stepBound.contactTime);
   state->options.sleep.average = settings.settle.average.value_or(25 * stepBound.contactTime);
+}
+
+void PackingRun::limitSpeed() {
+  state->options.maxSpeed = std::min(settings.limits.maxSpeed, settings.limits.maxTravel * smallestSize / dt);
 }
 
 void PackingRun::addParticle(const NewParticle& particle) {
@@ -217,7 +214,7 @@ void PackingRun::addParticle(const NewParticle& particle) {
   body.locks = locksOfGroup[group];
   body.pose = particle.pose;
   body.velocity = particle.velocity;
-  state->addBody(body);
+  counters.energy.add(mechanicalEnergy(*state, state->addBody(body)));
 }
 
 void PackingRun::insertDue() {
@@ -229,7 +226,8 @@ void PackingRun::insertDue() {
     present.push_back({state->bodies.shape[i], state->bodies.frame[i]});
   const std::size_t first = state->bodies.size();
   for (const NewParticle& particle : pour->insert(state->time, counters.consolidated, present)) addParticle(particle);
-  startHalfSteps(*state, dt, first, false);
+  takeOut();
+  startHalfSteps(*state, dt, std::min(first, state->bodies.size()), false);
   if (state->bodies.size() > first) {
     counters.consolidated = false;
     counters.calm = 0;
@@ -301,6 +299,7 @@ void PackingRun::observe(double interval) {
     if (state->sleep.fallen > 0) counters.calm = 0;
   }
   checkDomain(*state);
+  watchEnergy();
   const TimeStepBound now = boundOfContacts(*state);
   counters.smallestBound = std::min(counters.smallestBound, now.bound);
 }
@@ -312,34 +311,41 @@ bool PackingRun::isResting() const {
 
 RunEnd PackingRun::run(const std::filesystem::path& out, const volatile std::sig_atomic_t& stop) {
   checkFolder(out);
-  const std::int64_t lookEvery = observationSteps(dt);
   const double wallBefore = counters.wall;
   Progress line;
-  FrameWriter writer(out, settings, frames);
+  auto writer = std::make_unique<FrameWriter>(out, settings, frames);
   double savedAt = 0;
   const auto finish = [&](RunEnd end) {
     counters.wall = wallBefore + line.elapsed();
-    save(out);
+    save(out, end);
     line.finish();
     return end;
   };
+  const auto inTrouble = [&] {
+    return settings.limits.onTrouble != LimitSettings::Action::proceed && !state->report.troubles.empty();
+  };
 
+  keepGood();
   while (true) {
     insertDue();
     step(*state, dt);
-    if (state->steps % lookEvery != 0) continue;
-
-    observe(static_cast<double>(lookEvery) * dt);
+    const std::int64_t lookEvery = observationSteps(dt);
+    const bool looks = state->steps % lookEvery == 0;
+    if (looks && !inTrouble()) observe(static_cast<double>(lookEvery) * dt);
+    if (inTrouble()) {
+      if (!answerTrouble()) return finish(RunEnd::trouble);
+      line.say(counters.answers.back());
+      writer = std::make_unique<FrameWriter>(out, settings, frames);
+      continue;
+    }
+    if (!looks) continue;
     if (settings.output.energy) energies.record(state->time + 0.5 * dt, state->ledger);
     counters.wall = wallBefore + line.elapsed();
     line.report(shareDone(), [&] { return describeProgress(); });
     if (settings.output.frames && state->time >= counters.nextFrame) {
-      writer.write(*state, counters.frames++);
-      frames = writer.entries();
+      writer->write(*state, counters.frames++);
+      frames = writer->entries();
       counters.nextFrame += *settings.output.frames;
-    }
-    if (settings.limits.onTrouble == LimitSettings::Action::stop && !state->report.troubles.empty()) {
-      return finish(RunEnd::trouble);
     }
     if (isResting()) return finish(RunEnd::rested);
     if (stop) return finish(RunEnd::interrupted);
@@ -348,9 +354,10 @@ RunEnd PackingRun::run(const std::filesystem::path& out, const volatile std::sig
                                                                                       : RunEnd::outOfTime);
     if (pour->isDone() && state->time - std::max(counters.pouredAt, settlesFrom()) > settings.rest.maxTime)
       return finish(RunEnd::notRested);
+    if (state->steps % keepingSteps(dt) == 0) keepGood();
     if (line.elapsed() - savedAt > settings.output.checkpointEvery || state->time >= counters.nextCheckpoint) {
       counters.nextCheckpoint = state->time + settings.output.checkpointInterval;
-      save(out);
+      save(out, RunEnd::interrupted);
       savedAt = line.elapsed();
     }
   }
@@ -384,13 +391,6 @@ void PackingRun::checkFolder(const std::filesystem::path& out) const {
           fmt::format("{}: the output folder holds the bed this run starts from; choose another", out.string()));
 }
 
-void PackingRun::save(const std::filesystem::path& out) {
-  Archive archive;
-  visitSource(archive, origin);
-  visitState(archive);
-  saveCheckpoint(out, archive);
-}
-
 void PackingRun::visitState(Archive& archive) {
   archive.visit("time_step", dt, {"s", ""});
   PourState poured = pour->state();
@@ -403,6 +403,7 @@ void PackingRun::visitState(Archive& archive) {
     for (std::int64_t number = 0; number < poured.placed; ++number) state->addShape(pour->makeShape(number));
     pour->setState(poured);
   }
+  limitSpeed();
   archive.visitGroup("run", counters);
   archive.visitGroup("frames", frames);
   archive.visitGroup("energy_series", energies);
@@ -414,7 +415,7 @@ PackingRun PackingRun::resumed(const std::filesystem::path& folder, const std::v
   require(archive.has("scene"),
           fmt::format("{}: the checkpoint can't be used: it is not that of a packing", folder.string()));
   SceneSource source;
-  visitSource(archive, source);
+  archive.visitGroup("scene", source);
   for (const std::string& entry : overrides) {
     require(mayChangeOnResume(entry),
             fmt::format("{}: can't be changed when a run is resumed; threads, time.max_time, rest.*, output.* and "

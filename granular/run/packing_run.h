@@ -4,13 +4,16 @@
 #include <csignal>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "granular/energy/series.h"
 #include "granular/insert/inserter.h"
 #include "granular/io/archive.h"
 #include "granular/io/scene.h"
 #include "granular/io/vtk_writer.h"
+#include "granular/run/energy_watch.h"
 #include "granular/world/time_step.h"
 #include "granular/world/world.h"
 
@@ -45,6 +48,9 @@ struct RunProgress {
   double nextCheckpoint = 0;        ///< simulated, s
   double wall = 0;                  ///< wall time of earlier runs, s
   double smallestBound = infinity;  ///< smallest step bound seen with the contacts at hand, s
+  EnergyWatch energy;
+  std::vector<std::string> answers;   ///< to troubles: what was met and what was done
+  std::vector<std::int64_t> removed;  ///< ids of particles taken out because of trouble
 };
 
 class PackingRun {
@@ -70,8 +76,8 @@ class PackingRun {
   /// What this run will do, in lines: particles, vessel, time step and why, what is skipped, memory and time expected.
   std::string describePlan() const;
 
-  /// Goes on until the bed is at rest, or trouble, or `stop` becomes nonzero. `out`: folder of frames and checkpoints,
-  /// which exists.
+  /// Goes on until the bed is at rest, or trouble that is not answered otherwise, or `stop` becomes nonzero. `out`:
+  /// folder of frames and checkpoints, which exists.
   RunEnd run(const std::filesystem::path& out, const volatile std::sig_atomic_t& stop);
 
   /// Kinetic energy of the moving bodies over the sum of m g d of the particles poured last (d: equal-volume diameter).
@@ -93,7 +99,12 @@ class PackingRun {
   bool isResting() const;
   double shareDone() const;
   std::string describeProgress() const;
-  void save(const std::filesystem::path& out);
+  void save(const std::filesystem::path& out, RunEnd end);
+  void keepGood();
+  void watchEnergy();
+  bool answerTrouble();
+  void takeOut();
+  void limitSpeed();
   void visitState(Archive& archive);
   void checkFolder(const std::filesystem::path& out) const;
 
@@ -109,6 +120,8 @@ class PackingRun {
   RunProgress counters;
   EnergySeries energies;
   std::vector<FrameSeries::Entry> frames;  // of particles.pvd so far
+  double smallestSize = infinity;          // of a particle, m
+  std::optional<Archive> good;             // the last state kept without trouble
 };
 
 }  // namespace granular

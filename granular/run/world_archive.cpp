@@ -474,6 +474,14 @@ void describe(Archive& archive, World& world) {
   layOutContacts(world);
 }
 
+void describe(Archive& archive, SceneSource& source) {
+  std::string file = source.file.string();
+  archive.visit("file", file, {"", "path of the scene file"});
+  source.file = file;
+  archive.visit("text", source.text, {"", "its content"});
+  archive.visit("overrides", source.overrides, {"", "key.path=value"});
+}
+
 void describe(Archive& archive, PourState& state) {
   archive.visit("placed", state.placed);
   archive.visit("batches", state.batches);
@@ -498,6 +506,13 @@ void describe(Archive& archive, RunProgress& progress) {
   archive.visit("next_checkpoint", progress.nextCheckpoint, {"s", ""});
   archive.visit("wall", progress.wall, {"s", ""});
   archive.visit("smallest_bound", progress.smallestBound, {"s", ""});
+  archive.inGroup("energy", [&] {
+    archive.visit("before", progress.energy.before, {"J", "largest kinetic and potential energy of the block before"});
+    archive.visit("now", progress.energy.now, {"J", "largest of this block"});
+    archive.visit("until", progress.energy.until, {"s", "end of this block"});
+  });
+  archive.visit("answers", progress.answers, {"", "to troubles"});
+  archive.visit("removed", progress.removed, {"", "ids of particles taken out"});
 }
 
 void describe(Archive& archive, EnergySeries& series) {

@@ -10,10 +10,13 @@
 namespace granular {
 
 struct RunProgress;
+struct SceneSource;
 
 /// Bodies, pairs with their caches and histories, the search's boxes, sleep, report. Shapes, materials, walls and
 /// options come from the scene and must be there before loading.
 void describe(Archive& archive, World& world);
+/// From which everything else of a packing can be built.
+void describe(Archive& archive, SceneSource& source);
 void describe(Archive& archive, PourState& state);
 void describe(Archive& archive, RunProgress& progress);
 void describe(Archive& archive, EnergySeries& series);

@@ -10,6 +10,12 @@ std::string_view stageName(Stage stage) {
   return names[static_cast<std::size_t>(stage)];
 }
 
+void Report::add(const Trouble& trouble) {
+  constexpr std::uint64_t namedPerKind = 20;
+  std::uint64_t& count = troubleCounts[static_cast<std::size_t>(trouble.kind)];
+  if (count++ < namedPerKind) troubles.push_back(trouble);
+}
+
 std::string describe(const Trouble& trouble) {
   const std::string who = trouble.bodyB >= 0     ? fmt::format("bodies {} and {}", trouble.bodyA, trouble.bodyB)
                           : trouble.wall.empty() ? fmt::format("body {}", trouble.bodyA)
@@ -26,6 +32,9 @@ std::string describe(const Trouble& trouble) {
       return fmt::format("t = {:.6g} s: {}: an overlap was used that no bound could certify", trouble.time, who);
     case Trouble::Kind::escaped:
       return fmt::format("t = {:.6g} s: {}: left the domain", trouble.time, who);
+    case Trouble::Kind::energyGain:
+      return fmt::format("t = {:.6g} s: {:.4g} J of kinetic and potential energy have come from nothing", trouble.time,
+                         trouble.value);
   }
   return {};
 }

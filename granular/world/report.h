@@ -16,13 +16,14 @@ std::string_view stageName(Stage stage);
 
 /// Something went wrong at run time: named, with the bodies and the time.
 struct Trouble {
-  enum class Kind { nonFinite, deepOverlap, tooFast, uncertified, escaped };
+  enum class Kind { nonFinite, deepOverlap, tooFast, uncertified, escaped, energyGain };
+  static constexpr std::size_t kinds = 6;
   Kind kind = Kind::nonFinite;
   double time = 0;          ///< s
   std::int64_t bodyA = -1;  ///< ids; -1: none
   std::int64_t bodyB = -1;
   std::string wall;  ///< name of the wall, if one is part of it
-  double value = 0;  ///< overlap over size, or speed in m/s
+  double value = 0;  ///< overlap over size, speed in m/s, or energy in J
 };
 std::string describe(const Trouble& trouble);
 
@@ -35,7 +36,10 @@ struct Report {
   std::uint64_t bodySteps = 0;                ///< moving bodies summed over steps
   std::array<double, stageCount> seconds{};
   std::vector<Trouble> troubles;  ///< the first few of each kind
-  std::array<std::uint64_t, 5> troubleCounts{};
+  std::array<std::uint64_t, Trouble::kinds> troubleCounts{};
+
+  /// Counts a trouble, and keeps the first few of each kind.
+  void add(const Trouble& trouble);
 };
 
 }  // namespace granular

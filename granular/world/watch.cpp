@@ -4,13 +4,6 @@
 namespace granular {
 namespace {
 
-constexpr std::uint64_t namedPerKind = 20;
-
-void addTrouble(const Trouble& trouble, Report& report) {
-  std::uint64_t& count = report.troubleCounts[static_cast<std::size_t>(trouble.kind)];
-  if (count++ < namedPerKind) report.troubles.push_back(trouble);
-}
-
 /// Names both parties of a contact.
 Trouble troubleOf(const World& world, const Contact& contact, Trouble::Kind kind, double value) {
   Trouble trouble{kind, world.time, world.bodies.id[static_cast<std::size_t>(contact.a)], -1, {}, value};
@@ -36,13 +29,12 @@ void watch(World& world) {
     report.narrow += chunk.counts;
     if (chunk.uncertifiedPair >= 0) {
       const Pair& pair = world.pairs.pairs[static_cast<std::size_t>(chunk.uncertifiedPair)];
-      addTrouble({Trouble::Kind::uncertified,
+      report.add({Trouble::Kind::uncertified,
                   world.time,
                   bodies.id[static_cast<std::size_t>(pair.a)],
                   bodies.id[static_cast<std::size_t>(pair.b)],
                   {},
-                  0},
-                 report);
+                  0});
     }
     if (chunk.deepestContact >= 0 && chunk.deepest > deepest) {
       deepest = chunk.deepest;
@@ -57,7 +49,7 @@ void watch(World& world) {
     report.deepestB = names.bodyB;
   }
   if (deepestContact && deepest > world.options.deepOverlap) {
-    addTrouble(troubleOf(world, *deepestContact, Trouble::Kind::deepOverlap, deepest), report);
+    report.add(troubleOf(world, *deepestContact, Trouble::Kind::deepOverlap, deepest));
   }
 
   // Bodies: one comparison catches speeds that are too large and those that are not numbers.
@@ -69,13 +61,12 @@ void watch(World& world) {
         bodies.v[i].squaredNorm() + bodies.w[i].squaredNorm() * bodies.boundingRadius[i] * bodies.boundingRadius[i];
     if (square <= limit) continue;
     const bool finite = std::isfinite(square);
-    addTrouble({finite ? Trouble::Kind::tooFast : Trouble::Kind::nonFinite,
+    report.add({finite ? Trouble::Kind::tooFast : Trouble::Kind::nonFinite,
                 world.time,
                 bodies.id[i],
                 -1,
                 {},
-                std::sqrt(square)},
-               report);
+                std::sqrt(square)});
   }
 }
 
@@ -84,7 +75,7 @@ void checkDomain(World& world) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (std::size_t k = 0; k < world.vesselWalls; ++k) {
       if (world.walls[k]->admits(bodies.x[i])) continue;
-      addTrouble({Trouble::Kind::escaped, world.time, bodies.id[i], -1, world.walls[k]->name, 0}, world.report);
+      world.report.add({Trouble::Kind::escaped, world.time, bodies.id[i], -1, world.walls[k]->name, 0});
     }
   }
 }

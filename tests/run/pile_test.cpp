@@ -8,7 +8,7 @@
 #include "granular/core/errors.h"
 #include "granular/io/scene_file.h"
 #include "run/demo_outcome.h"
-#include "run/scene_texts.h"
+#include "run/resume_fixture.h"
 
 namespace granular {
 namespace {
@@ -128,19 +128,28 @@ TEST_F(Pile, OfEllipsoidsAndOfClumpsIsMeasured) {
 }
 
 TEST_F(Pile, GoesOnFromItsCheckpointToTheSameBits) {
-  PileSettings settings = makeQuick();
-  settings.count = 12;
-  PackingRun whole(writeScene(settings, "whole"));
-  whole.run(folder / "whole", never);
-  SceneSource source = writeScene(settings, "parts");
-  source.overrides.push_back("time.max_time=0.2");
-  PackingRun first(source);
-  ASSERT_EQ(first.run(folder / "parts", never), RunEnd::outOfTime);
-  PackingRun second = PackingRun::resumed(folder / "parts", {"time.max_time=inf"});
-  second.run(folder / "parts", never);
-  ASSERT_EQ(second.world().bodies.size(), whole.world().bodies.size());
-  for (std::size_t i = 0; i < whole.world().bodies.size(); ++i)
-    EXPECT_EQ(second.world().bodies.x[i], whole.world().bodies.x[i]);
+  PileSettings ellipsoids = makeQuick();
+  ellipsoids.count = 12;
+  PileSettings sleepers = ellipsoids, clumps = ellipsoids, space = ellipsoids;
+  sleepers.sleep = 1e-2;
+  clumps.shape = PileSettings::Shape::clump;
+  clumps.spheres = 5;
+  space.space = true;
+  space.interval = 0.01;
+  for (const PileSettings& settings : {ellipsoids, sleepers, clumps, space}) {
+    SCOPED_TRACE(formatPileScene(settings));
+    PackingRun whole(writeScene(settings, "whole"));
+    whole.run(folder / "whole", never);
+    SceneSource source = writeScene(settings, "parts");
+    source.overrides.push_back("time.max_time=0.15");
+    PackingRun first(source);
+    ASSERT_EQ(first.run(folder / "parts", never), RunEnd::outOfTime);
+    omp_set_num_threads(2);
+    PackingRun second = PackingRun::resumed(folder / "parts", {"time.max_time=inf"});
+    second.run(folder / "parts", never);
+    omp_set_num_threads(1);
+    expectSameState(whole, second);
+  }
 }
 
 TEST_F(Pile, InSpaceRunsThroughTheHopper) {

@@ -12,6 +12,8 @@ struct SweepCase {
   bool elastic = false;  ///< materials with a Young's modulus instead of a stiffness
 };
 
+void PrintTo(const SweepCase& c, std::ostream* out) { *out << c.name; }
+
 std::string caseName(const ::testing::TestParamInfo<SweepCase>& info) { return info.param.name; }
 
 /// As commonText, for laws of Hertz: as soft.
