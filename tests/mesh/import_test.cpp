@@ -171,6 +171,13 @@ TEST(Import, LoaderOutOfMemoryOrTimeIsAnInputErrorNotACrash) {
   EXPECT_THROW(importMesh(path, {true, 0, 1e-4}), InputError);
 }
 
+TEST(Import, LoaderThatAbortsIsAnInputErrorNamingTheFile) {
+  // Found by fuzzing: assimp fails an assertion of its own on it.
+  const std::string input = readBytes(std::string(GRANULAR_SOURCE_DIR) + "/tests/fuzz/corpus/mesh/ply_abort");
+  ASSERT_GT(input.size(), 1u);
+  expectRefused(writeBytes("abort.ply", input.substr(1)), "the loader crashed on it");
+}
+
 TEST(Import, InThisProcessIsTheSameAsInAChild) {
   for (const char* name : {"ball.obj", "ball.ply", "ball.off", "ball.stl"}) {
     const std::string path = scratchFile(name);
