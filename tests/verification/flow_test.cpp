@@ -22,7 +22,8 @@ TEST(Flow, WallFrictionAndFloorCarryTheWeightOfAColumn) {
   Random random(3);
   for (int k = 0; k < 90; ++k) {
     const double angle = 2 * pi * (k % 6) / 6 + .2 * random.uniform(), away = k % 6 == 5 ? 0 : 2.6 * radius;
-    place(*world, shape, {away * std::cos(angle), away * std::sin(angle), radius * (1.2 + 2.2 * (k / 6))});
+    const int layer = k / 6;
+    place(*world, shape, {away * std::cos(angle), away * std::sin(angle), radius * (1.2 + 2.2 * layer)});
   }
   const double dt = .04 * pi * std::sqrt(world->bodies.mass[0] / 5e3);
   runFor(*world, dt, .5);
