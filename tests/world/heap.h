@@ -34,8 +34,8 @@ inline void addLattice(const std::vector<std::int32_t>& shapes, int perSide, dou
   for (int k = 0; k < perSide * perSide * perSide; ++k) {
     NewBody body;
     body.shapeIndex = shapes[static_cast<std::size_t>(k) % shapes.size()];
-    body.pose.x = Vec3((k % perSide + 0.5) * pitch - half, (k / perSide % perSide + 0.5) * pitch - half,
-                       (k / perSide / perSide + 0.55) * pitch);
+    const int row = k / perSide % perSide, layer = k / perSide / perSide;
+    body.pose.x = Vec3((k % perSide + 0.5) * pitch - half, (row + 0.5) * pitch - half, (layer + 0.55) * pitch);
     body.pose.q = random.rotation();
     body.velocity = Vec3(0.3 * random.normal(), 0.3 * random.normal(), -0.3);
     if (spin > 0) body.spin = spin * random.direction();

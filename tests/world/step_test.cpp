@@ -217,7 +217,8 @@ std::unique_ptr<World> makeElasticHeap(double young) {
   for (int k = 0; k < 48; ++k) {
     NewBody body;
     body.shapeIndex = shapes[k % 2];
-    body.pose.x = 5e-3 * Vec3(k % 4 / 2 - .5, k % 2 - .5, 0) + Vec3(0, 0, 3e-3 + 5e-3 * (k / 4));
+    const int column = k % 4 / 2, layer = k / 4;
+    body.pose.x = 5e-3 * Vec3(column - .5, k % 2 - .5, 0) + Vec3(0, 0, 3e-3 + 5e-3 * layer);
     body.pose.q = random.rotation();
     body.density = 1300;
     world->addBody(body);
