@@ -95,6 +95,7 @@ nlohmann::ordered_json describe(const Settings& settings, const World& world, co
   json["rule"] = settings.rule;
   json["law"] = settings.law;
   json["skip"] = settings.skip;
+  json["batches"] = !settings.bed.options.noBatches;
   json["dt_s"] = settings.dt;
   json["steps"] = settings.steps;
   json["clock"] = settings.threads > 1 ? "wall" : "processor";
@@ -183,6 +184,7 @@ int parseAndRun(int argc, char** argv) {
   app.add_option("--rule", settings.rule, "contact-point rule");
   app.add_option("--law", settings.law, "linear, linear_local or tensor");
   app.add_option("--skip", settings.skip, "all or none")->check(CLI::IsMember({"all", "none"}));
+  app.add_flag("--no-batches", settings.bed.options.noBatches, "make contacts of spheres one by one too");
   app.add_option("--threads", settings.threads, "OpenMP threads")->check(CLI::PositiveNumber);
   app.add_option("--relax", settings.relax, "steps before the clock starts")->check(CLI::NonNegativeNumber);
   app.add_option("--steps", settings.steps, "steps timed, in each repeat")->check(CLI::PositiveNumber);

@@ -23,4 +23,19 @@ struct Contact {
   Vec3 torqueA, torqueB;  ///< about either centre of mass, N m
 };
 
+/// What a contact does to its bodies: all that the sum of forces reads, apart from what describes the contact.
+struct ContactPull {
+  std::int32_t a, b;      ///< as in Contact
+  Vec3 force;             ///< on A, N
+  Vec3 torqueA, torqueB;  ///< about either centre of mass, N m
+};
+
+/// A contact of two spheres in short; the rest of a Contact follows from the bodies and its pull.
+struct BallContact {
+  std::int32_t pair;  ///< index in PairList::pairs
+  bool sliding, held;
+  Vec3 normal;
+  double overlap, normalForce;
+};
+
 }  // namespace granular

@@ -140,14 +140,35 @@ void sumHeldForces(World& world) {
   }
 }
 
-/// Starts a chunk of contacts afresh, keeping its memory.
+/// True if the contacts of these active pairs can be made in batches: spheres alone, the linear law, and nobody who
+/// asks for more than forces.
+bool canBatch(const World& world, Range range) {
+  const WorldOptions& options = world.options;
+  const bool plain = options.law == LawKind::linear && !options.lawOptions.localMass && !options.energy;
+  // These rules place the contacts of spheres to round-off only, or keep several of them.
+  const bool deepest = options.rule.rule != PointRule::faceCentroid && options.rule.rule != PointRule::manifold;
+  if (options.noBatches || !plain || !deepest) return false;
+  const auto isBall = [&](std::int32_t body) { return world.bodies.shape[at(body)]->kind() == ShapeKind::sphere; };
+  for (std::size_t p = range.first; p < range.last; ++p) {
+    const Pair& pair = world.pairs.pairs[at(world.activePairs[p])];
+    if (!isBall(pair.a) || !isBall(pair.b)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 void startChunk(World::Chunk& chunk) {
   chunk.contacts.clear();
+  chunk.balls.clear();
+  chunk.pulls.clear();
   chunk.counts = NarrowCounts{};
   chunk.deepest = 0;
   chunk.deepestContact = -1;
   chunk.uncertifiedPair = -1;
 }
+
+namespace {
 
 /// Looks at one pair of bodies; appends its contact if it touches.
 void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
@@ -169,7 +190,8 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   WarmCache& cache = world.pairs.memory.cache[at(pair.slot)];
   Touch touch;
   const std::uint64_t uncertified = chunk.counts.uncertified;
-  const bool touchedBefore = cache.touched != 0;
+  // Contacts of balls made in batches keep no cache.
+  const bool touchedBefore = cache.touched != 0 || bodies.shape[a]->kind() == ShapeKind::sphere;
   const bool touching = findTouch(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB,
                                   !world.options.skips.feature, cache, chunk.counts, touch);
   if (chunk.counts.uncertified > uncertified && chunk.uncertifiedPair < 0) chunk.uncertifiedPair = index;
@@ -286,6 +308,10 @@ void layOutContacts(World& world) {
   sumHeldForces(world);
   world.wallChunkBegin = chunkCount(world.activePairs.size());
   world.chunks.resize(world.wallChunkBegin + chunkCount(world.activeWallPairs.size()));
+  for (std::size_t c = 0; c < world.chunks.size(); ++c) {
+    const bool atWalls = c >= world.wallChunkBegin;
+    world.chunks[c].ofBalls = !atWalls && canBatch(world, chunkRange(c, world.activePairs.size()));
+  }
   world.contactsOfPair.resize(world.activePairs.size() + world.activeWallPairs.size());
   world.layoutStale = false;
 }

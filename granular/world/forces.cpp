@@ -1,4 +1,5 @@
 // Stages of a step that make forces of contacts: the law of each, and the sum on each body.
+#include "granular/core/share_out.h"
 #include "granular/world/contact_radius.h"
 #include "granular/world/stages.h"
 
@@ -135,6 +136,7 @@ void applyLaw(double dt, World::Chunk& chunk, World& world) {
     law(constants, options.lawOptions, met.a, met.b, met.motion, history, contact.force);
     contact.torqueA = met.a.arm.cross(contact.force.force) + contact.force.couple;
     contact.torqueB = -met.b.arm.cross(contact.force.force) - contact.force.couple;
+    chunk.pulls.push_back({contact.a, contact.b, contact.force.force, contact.torqueA, contact.torqueB});
     if constexpr (keepsLedger) {
       chunk.accounts[k] = accountContact(options.law, constants, options.lawOptions, met.a, met.b, met.motion, before,
                                          history, contact.force);
@@ -164,30 +166,27 @@ void measureWallStiffness(World& world) {
   }
 }
 
-}  // namespace
-
-void applyForceLaws(double dt, std::size_t c, World& world) {
-  World::Chunk& chunk = world.chunks[c];
-  world.options.energy ? applyLaw<true>(dt, chunk, world) : applyLaw<false>(dt, chunk, world);
+/// Weight, and for a sleeper the contacts at rest, before the contacts of the step are added. Returns the load so far.
+double startSum(World& world, std::size_t i, Vec3& force, Vec3& torque) {
+  force = world.bodies.mass[i] * world.options.gravity;
+  torque.setZero();
+  const double load = world.options.sleep.on ? force.norm() : 0;
+  if (world.bodies.state[i] == BodyState::asleep) {
+    force += world.heldForce[i];
+    torque += world.heldTorque[i];
+  }
+  return load;
 }
 
-void gatherForces(World& world) {
+/// Body by body, each by one thread.
+void sumByBodies(World& world) {
   Bodies& bodies = world.bodies;
   const std::size_t pairCount = world.activePairs.size();
   const bool loads = world.options.sleep.on;
-  if (loads) world.load.resize(bodies.size());
-  const auto n = static_cast<std::int64_t>(world.gathered.size());
-#pragma omp parallel for schedule(static) if (world.gathered.size() >= bodiesForThreads)
-  for (std::int64_t g = 0; g < n; ++g) {
-    const auto i = at(world.gathered[static_cast<std::size_t>(g)]);
-    const bool asleep = bodies.state[i] == BodyState::asleep;
-    Vec3 force = bodies.mass[i] * world.options.gravity;
-    Vec3 torque = Vec3::Zero();
-    double load = loads ? force.norm() : 0;
-    if (asleep) {
-      force += world.heldForce[i];
-      torque += world.heldTorque[i];
-    }
+  shareOutEvenly(world.gathered.size(), world.gathered.size() >= bodiesForThreads, [&](std::size_t g) {
+    const auto i = at(world.gathered[g]);
+    Vec3 force, torque;
+    double load = startSum(world, i, force, torque);
     for (std::int32_t e = world.incidenceBegin[i]; e < world.incidenceBegin[i + 1]; ++e) {
       const World::Incidence& link = world.incidence[at(e)];
       const bool atWall = link.active < 0;
@@ -196,21 +195,60 @@ void gatherForces(World& world) {
       if (range.count == 0) continue;
       const std::size_t chunk = p / World::chunkSize + (atWall ? world.wallChunkBegin : 0);
       for (std::int32_t k = range.first; k < range.first + range.count; ++k) {
-        const Contact& contact = world.chunks[chunk].contacts[at(k)];
-        force += link.isB ? -contact.force.force : contact.force.force;
-        torque += link.isB ? contact.torqueB : contact.torqueA;
-        if (loads) load += 0.5 * contact.force.force.norm();
+        const ContactPull& pull = world.chunks[chunk].pulls[at(k)];
+        force += link.isB ? -pull.force : pull.force;
+        torque += link.isB ? pull.torqueB : pull.torqueA;
+        if (loads) load += 0.5 * pull.force.norm();
       }
     }
     bodies.force[i] = force;
     bodies.torque[i] = torque;
     if (loads) world.load[i] = load;
+  });
+}
+
+/// Contact by contact, by one thread: in the order of the pairs, so that each body's sum is the same to the bit.
+void sumByContacts(World& world) {
+  Bodies& bodies = world.bodies;
+  const bool loads = world.options.sleep.on;
+  for (const std::int32_t slot : world.gathered) {
+    const std::size_t i = at(slot);
+    const double load = startSum(world, i, bodies.force[i], bodies.torque[i]);
+    if (loads) world.load[i] = load;
   }
+  const auto isFrozen = [&](std::int32_t body) { return body < 0 || bodies.state[at(body)] == BodyState::frozen; };
+  for (const World::Chunk& chunk : world.chunks) {
+    for (const ContactPull& pull : chunk.pulls) {
+      const double half = loads ? 0.5 * pull.force.norm() : 0;
+      if (!isFrozen(pull.a)) {
+        bodies.force[at(pull.a)] += pull.force;
+        bodies.torque[at(pull.a)] += pull.torqueA;
+        if (loads) world.load[at(pull.a)] += half;
+      }
+      if (!isFrozen(pull.b)) {
+        bodies.force[at(pull.b)] -= pull.force;
+        bodies.torque[at(pull.b)] += pull.torqueB;
+        if (loads) world.load[at(pull.b)] += half;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void applyForceLaws(double dt, std::size_t c, World& world) {
+  World::Chunk& chunk = world.chunks[c];
+  world.options.energy ? applyLaw<true>(dt, chunk, world) : applyLaw<false>(dt, chunk, world);
+}
+
+void gatherForces(World& world) {
+  if (world.options.sleep.on) world.load.resize(world.bodies.size());
+  omp_get_max_threads() == 1 ? sumByContacts(world) : sumByBodies(world);
 
   // Walls are few: their sums run over all their contacts in order.
   world.wallForces.assign(world.walls.size(), Vec3::Zero());
   for (std::size_t c = world.wallChunkBegin; c < world.chunks.size(); ++c) {
-    for (const Contact& contact : world.chunks[c].contacts) world.wallForces[at(-1 - contact.b)] -= contact.force.force;
+    for (const ContactPull& pull : world.chunks[c].pulls) world.wallForces[at(-1 - pull.b)] -= pull.force;
   }
   measureWallStiffness(world);
 }

@@ -1,4 +1,5 @@
 // Stages of a step that move bodies and walls, and the start of the half steps.
+#include "granular/core/share_out.h"
 #include "granular/integrate/seelen.h"
 #include "granular/integrate/spiral.h"
 #include "granular/world/stages.h"
@@ -10,10 +11,8 @@ namespace {
 template <auto predictRotation>
 void predictBodies(double dt, Bodies& bodies) {
   const std::vector<std::int32_t>& moving = bodies.movingSlots();
-  const auto n = static_cast<std::int64_t>(moving.size());
-#pragma omp parallel for schedule(static) if (moving.size() >= bodiesForThreads)
-  for (std::int64_t k = 0; k < n; ++k) {
-    const auto i = static_cast<std::size_t>(moving[static_cast<std::size_t>(k)]);
+  shareOutEvenly(moving.size(), moving.size() >= bodiesForThreads, [&](std::size_t k) {
+    const auto i = static_cast<std::size_t>(moving[k]);
     // No surface point moves further than the centre does plus the turn of the outermost point.
     const Vec3& spin = bodies.wHalf[i];
     bodies.spinHalf[i] = bodies.qHalf[i] * spin;
@@ -22,21 +21,19 @@ void predictBodies(double dt, Bodies& bodies) {
     const double fastest = std::max(spin.norm(), bodies.w[i].norm());
     bodies.travel[i] += dt * (bodies.vHalf[i].norm() + bodies.boundingRadius[i] * fastest);
     bodies.frame[i] = Frame(bodies.q[i].toRotationMatrix(), bodies.x[i]);
-  }
+  });
 }
 
 template <auto advanceRotation>
 void advanceBodies(double dt, Bodies& bodies) {
   const std::vector<std::int32_t>& moving = bodies.movingSlots();
-  const auto n = static_cast<std::int64_t>(moving.size());
-#pragma omp parallel for schedule(static) if (moving.size() >= bodiesForThreads)
-  for (std::int64_t k = 0; k < n; ++k) {
-    const auto i = static_cast<std::size_t>(moving[static_cast<std::size_t>(k)]);
+  shareOutEvenly(moving.size(), moving.size() >= bodiesForThreads, [&](std::size_t k) {
+    const auto i = static_cast<std::size_t>(moving[k]);
     bodies.acceleration[i] = bodies.inverseMass[i] * bodies.force[i];
     advanceTranslation(dt, bodies.acceleration[i], bodies.vHalf[i]);
     advanceRotation(dt, bodies.inertia[i], bodies.inverseInertia[i], bodies.torque[i], bodies.q[i], bodies.w[i],
                     {bodies.qHalf[i], bodies.wHalf[i], bodies.alpha[i]});
-  }
+  });
 }
 
 /// The largest distance of any body's surface from the axis of a turning wall: further out no part of it is met.
@@ -153,6 +150,13 @@ void letSleep(double dt, World& world) {
     for (Contact& contact : chunk.contacts) {
       if (bodies.moves(static_cast<std::size_t>(contact.a))) continue;
       if (contact.b >= 0 && bodies.moves(static_cast<std::size_t>(contact.b))) continue;
+      holdContact(contact, world);
+    }
+    for (std::size_t k = 0; k < chunk.balls.size(); ++k) {
+      const ContactPull& pull = chunk.pulls[k];
+      if (bodies.moves(static_cast<std::size_t>(pull.a)) || bodies.moves(static_cast<std::size_t>(pull.b))) continue;
+      chunk.balls[k].held = true;
+      Contact contact = world.describeBall(chunk, k);
       holdContact(contact, world);
     }
   }

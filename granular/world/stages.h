@@ -18,6 +18,8 @@ void refreshPairs(double dt, World& world);
 /// The contacts of all chunks, by the three stages below: chunk after chunk, so that what one stage reads is still near
 /// when the next one reads it.
 void makeContacts(double dt, World& world);
+/// The three stages below at once for a chunk of balls, in batches (ball_contacts.cpp); the same bits.
+void makeBallContacts(double dt, std::size_t c, World& world);
 /// Which pairs of chunk c touch: normal and overlap of each contact.
 void findContacts(std::size_t c, World& world);
 /// The contact-point rule: where each contact of chunk c acts, and over what area.
@@ -42,6 +44,9 @@ void watch(World& world);
 
 /// Names bodies whose centre is behind a wall of the vessel. Not part of a step: a run looks now and then.
 void checkDomain(World& world);
+
+/// Empties a chunk, keeping its memory.
+void startChunk(World::Chunk& chunk);
 
 /// Lays out incidence and chunks for the present pairs: after a refresh, and after loading a checkpoint.
 void layOutContacts(World& world);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "granular/core/share_out.h"
 #include "granular/world/stages.h"
 
 namespace granular {
@@ -49,19 +50,22 @@ class LapTimer {
 }  // namespace
 
 void makeContacts(double dt, World& world) {
-  const auto chunks = static_cast<std::int64_t>(world.chunks.size());
-#pragma omp parallel for schedule(dynamic) if (world.chunks.size() >= chunksForThreads)
-  for (std::int64_t k = 0; k < chunks; ++k) {
-    const auto c = static_cast<std::size_t>(k);
+  shareOut(world.chunks.size(), world.chunks.size() >= chunksForThreads, [&](std::size_t c) {
     auto& seconds = world.chunks[c].seconds;
+    seconds = {};
     Stopwatch watch;
+    if (world.chunks[c].ofBalls) {
+      makeBallContacts(dt, c, world);  // all three at once
+      seconds[2] = watch.lap();
+      return;
+    }
     findContacts(c, world);  // normal, overlap
     seconds[0] = watch.lap();
     placeContactPoints(c, world);  // clip, centroid, moments
     seconds[1] = watch.lap();
     applyForceLaws(dt, c, world);  // rotate springs, force, couple
     seconds[2] = watch.lap();
-  }
+  });
 }
 
 void step(World& world, double dt) {

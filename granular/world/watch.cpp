@@ -5,7 +5,7 @@ namespace granular {
 namespace {
 
 /// Names both parties of a contact.
-Trouble troubleOf(const World& world, const Contact& contact, Trouble::Kind kind, double value) {
+Trouble troubleOf(const World& world, const ContactPull& contact, Trouble::Kind kind, double value) {
   Trouble trouble{kind, world.time, world.bodies.id[static_cast<std::size_t>(contact.a)], -1, {}, value};
   if (contact.b >= 0) {
     trouble.bodyB = world.bodies.id[static_cast<std::size_t>(contact.b)];
@@ -23,9 +23,9 @@ void watch(World& world) {
 
   // Contacts: the certificate and the deepest overlap.
   double deepest = 0;
-  const Contact* deepestContact = nullptr;
+  const ContactPull* deepestContact = nullptr;
   for (const World::Chunk& chunk : world.chunks) {
-    report.contactSteps += chunk.contacts.size();
+    report.contactSteps += chunk.pulls.size();
     report.narrow += chunk.counts;
     if (chunk.uncertifiedPair >= 0) {
       const Pair& pair = world.pairs.pairs[static_cast<std::size_t>(chunk.uncertifiedPair)];
@@ -38,7 +38,7 @@ void watch(World& world) {
     }
     if (chunk.deepestContact >= 0 && chunk.deepest > deepest) {
       deepest = chunk.deepest;
-      deepestContact = &chunk.contacts[static_cast<std::size_t>(chunk.deepestContact)];
+      deepestContact = &chunk.pulls[static_cast<std::size_t>(chunk.deepestContact)];
     }
   }
   if (deepestContact && deepest > report.deepestOverlap) {

@@ -36,6 +36,7 @@ struct WorldOptions {
   Periods periods;
   double skin = 0.1;        ///< of the search, in equal-volume radii
   bool bruteForce = false;  ///< the oracle of the broad phase
+  bool noBatches = false;   ///< every contact by itself: the oracle of those of spheres, made in batches
   Skips skips;
   SleepOptions sleep;
   double expectedOverlap = 0.02;  ///< largest, over the size: for the time step where stiffness grows with overlap
@@ -67,10 +68,13 @@ struct World {
   /// not depend on the number of threads. Bodies' chunks first, then the walls'.
   struct Chunk {
     std::vector<Contact> contacts;
+    bool ofBalls = false;            ///< only spheres meet here, and their contacts are made in batches:
+    std::vector<BallContact> balls;  ///< then these stand for contacts
+    std::vector<ContactPull> pulls;  ///< of contacts, or of balls
     NarrowCounts counts;
     double deepest = 0;                 ///< largest overlap over size in this chunk
     std::int32_t uncertifiedPair = -1;  ///< the first pair whose answer no bound could certify
-    std::int32_t deepestContact = -1;   ///< index in contacts
+    std::int32_t deepestContact = -1;   ///< index in contacts, or in balls
     std::vector<WallTouch> wallTouches;
     std::array<double, 3> seconds{};       ///< spent on finding, placing and the law in the present step
     std::vector<ContactAccount> accounts;  ///< of the contacts; empty unless the energy ledger is kept
@@ -129,6 +133,9 @@ struct World {
       for (const Contact& contact : chunk.contacts) {
         if (!contact.held) visit(contact);
       }
+      for (std::size_t k = 0; k < chunk.balls.size(); ++k) {
+        if (!chunk.balls[k].held) visit(describeBall(chunk, k));
+      }
     }
     for (const Pair& pair : pairs.pairs) {
       pairs.memory.visitHeld(pair, visit);
@@ -138,6 +145,8 @@ struct World {
     }
   }
   std::size_t contactCount() const;
+  /// Contact k of a chunk of balls in full.
+  Contact describeBall(const Chunk& chunk, std::size_t k) const;
 };
 
 /// Kinetic energy of all bodies at t_n, J.
