@@ -153,6 +153,7 @@ void run(Settings& settings) {
   options.law = lawFromName(settings.law);
   const bool all = settings.skip == "all";
   options.skips = {all, all, all};
+  if (!settings.poses.empty()) settings.bed.scene = "cubes";
   const std::size_t before = heapBytes();
   const std::unique_ptr<World> world =
       settings.poses.empty() ? makeBed(settings.bed) : loadCubes(settings.poses, options);
