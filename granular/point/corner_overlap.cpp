@@ -42,7 +42,7 @@ class Fan {
       m.firstOfVolume += (twelfth * depth) * (2 * t.apex + rim);
       m.square += (0.5 * third) * depth * depth;
       if (power.exponent > 0) {
-        addSimplex<3>({t.apex, t.from, t.to}, {depth / power.scale, 0, 0}, area, power.exponent, m.powers);
+        addTip({t.apex, t.from, t.to}, std::max(depth / power.scale, 0.0), area, power.exponent, m.powers);
       }
     }
     return m;

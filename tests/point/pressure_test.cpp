@@ -76,6 +76,51 @@ TEST(DepthPowers, OfATriangleAgreeWithSplittingIt) {
   }
 }
 
+/// Largest difference between two sets of integrals, m^2 and m^3 alike.
+double differenceOf(const DepthPowers& a, const DepthPowers& b) {
+  return std::max({std::abs(a.below - b.below), std::abs(a.at - b.at), std::abs(a.above - b.above),
+                   (a.firstBelow - b.firstBelow).norm(), (a.firstAt - b.firstAt).norm()});
+}
+
+TEST(DepthPowers, OfAPolygonOfManyCornersAreThoseOfItsTriangles) {
+  Random random(4);
+  for (int corners = 3; corners <= 12; ++corners) {
+    Polygon polygon;
+    for (int k = 0; k < corners; ++k) {
+      const double angle = 2 * pi * (k + 0.3 * random.uniform()) / corners;
+      polygon.push({std::cos(angle), std::sin(angle)}, noEdge);
+    }
+    const Linear depth{1.1, {0.5, 0.7}};
+    const PowerChoice power{24, 2};
+    DepthPowers sum;
+    for (int k = 2; k < corners; ++k) {
+      Polygon triangle;
+      for (const int each : {0, k - 1, k}) triangle.push(polygon[each], noEdge);
+      sum += integratePowers(triangle, depth, power);
+    }
+    // Sums of positive terms: round-off of the 26 recurrences and of ten triangles.
+    EXPECT_LE(differenceOf(integratePowers(polygon, depth, power), sum), 1e-14 * sum.below) << corners;
+  }
+}
+
+TEST(DepthPowers, OfATipAreThoseOfATriangleWithNoDepthAtTwoCorners) {
+  const std::array<Vec2, 3> x = {Vec2(0.3, 0.1), Vec2(2, 0.4), Vec2(0.2, 1.5)};
+  Polygon triangle;
+  for (const Vec2& each : x) triangle.push(each, noEdge);
+  const double area = 0.5 * cross(x[1] - x[0], x[2] - x[0]);
+  // The depth 0.8 at x[0], 0 at the others.
+  const Mat2 sides = (Mat2() << (x[1] - x[0]).transpose(), (x[2] - x[0]).transpose()).finished();
+  const Vec2 slope = sides.inverse() * Vec2(-0.8, -0.8);
+  const Linear depth{0.8 - slope.dot(x[0]), slope};
+  for (const int p : {1, 2, 24, 1000}) {
+    DepthPowers tip;
+    addTip(x, 0.8, area, p, tip);
+    const DepthPowers whole = integratePowers(triangle, depth, {p, 1});
+    // The depth at x[0] comes back to round-off, and its p-th power to p times that.
+    EXPECT_LE(differenceOf(tip, whole), (p + 26) * 1e-14 * whole.below) << p;
+  }
+}
+
 TEST(DepthPowers, OfAStripAreThoseOfARectangle) {
   const Segment segment{{1, 3}, {4, 3}};
   const DepthPowers strip = integratePowers(segment, 2, 1, 4, {7, 4});
