@@ -162,7 +162,8 @@ std::unique_ptr<World> repeatPatch(const World& patch, int repeats, WorldOptions
   std::unique_ptr<World> world = makeWorld(options, patch.shapes);
   world->walls.push_back(makePlaneWall(Vec3::Zero(), Vec3::UnitZ()));
   for (int tile = 0; tile < repeats * repeats; ++tile) {
-    const Vec3 shift(tile % repeats * period.x(), tile / repeats * period.y(), 0);
+    const int column = tile % repeats, row = tile / repeats;
+    const Vec3 shift(column * period.x(), row * period.y(), 0);
     for (std::size_t i = 0; i < patch.bodies.size(); ++i) {
       NewBody body;
       body.shapeIndex = patch.bodies.shapeIndex[i];

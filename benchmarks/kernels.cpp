@@ -216,7 +216,8 @@ void stage(benchmark::State& state, void (*run)(World&)) {
   constexpr int side = 20;
   for (int k = 0; k < side * side * side; ++k) {
     NewBody body;
-    body.pose.x = 2.99e-3 * Vec3(k % side, k / side % side, k / side / side);
+    const int row = k / side % side, layer = k / side / side;
+    body.pose.x = 2.99e-3 * Vec3(k % side, row, layer);
     world.addBody(body);
   }
   startHalfSteps(world, 1e-6, 0, true);

@@ -38,7 +38,7 @@ class ResumeTest : public RunTest {
  protected:
   /// Runs a scene on one thread to a given time, once whole and once with a stop on the way, from which it is resumed
   /// with another number of threads; compares the ends.
-  void expectSameAt(double end, double stop, const std::string& text, std::vector<std::string> overrides = {}) {
+  void expectSameAt(double end, double stop, const std::string& text, const std::vector<std::string>& overrides = {}) {
     const auto until = [](double time) { return fmt::format("time.max_time={}", time); };
     const SceneSource source = write(text, overrides);
     SceneSource full = source, shortened = source;

@@ -114,8 +114,8 @@ TEST_F(ResumeShared, ABedThatThreadsShareOutEndsInTheSameBits) {
   {
     std::ofstream poses(folder / "poses.txt");
     for (int k = 0; k < side * side * side; ++k) {
-      const double at[] = {3.01e-3 * (k % side - side / 2), 3.01e-3 * (k / side % side - side / 2),
-                           1.5e-3 + 3.01e-3 * (k / side / side)};
+      const int column = k % side - side / 2, row = k / side % side - side / 2, layer = k / side / side;
+      const double at[] = {3.01e-3 * column, 3.01e-3 * row, 1.5e-3 + 3.01e-3 * layer};
       poses << at[0] << ' ' << at[1] << ' ' << at[2] << " 1 0 0 0\n";
     }
   }

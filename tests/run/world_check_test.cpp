@@ -33,7 +33,8 @@ centres = [[0, 0, 0], ["1.5 mm", 0, 0]]
 )";
     std::ofstream poses(folder / "poses.txt");
     for (int k = 0; k < 30; ++k) {
-      const double at[] = {4.2e-3 * (k % 3 - 1), 4.2e-3 * (k / 3 % 3 - 1), 3e-3 + 4.2e-3 * (k / 9)};
+      const int column = k % 3 - 1, row = k / 3 % 3 - 1, layer = k / 9;
+      const double at[] = {4.2e-3 * column, 4.2e-3 * row, 3e-3 + 4.2e-3 * layer};
       poses << at[0] << ' ' << at[1] << ' ' << at[2] << " 1 0 0 0 " << k % 5 << '\n';
     }
     poses.close();
