@@ -3,13 +3,15 @@
 
 usage: plot_stacks.py DIR [--markdown FILE] [--png FILE]
 
-Reads every DIR/*.json. Writes one Markdown table per kind of run (stdout or FILE), and a plot of which tower stood, rule
-by rule and height by height (DIR/stacks.png or FILE). Exit codes: 0 done; 2 nothing to read; 3 matplotlib is missing.
+Reads every DIR/*.json. Writes one Markdown table per kind of run (stdout or FILE), and a picture of which tower stood, rule
+by rule and height by height, of the runs with the most common start (DIR/stacks.png or FILE).
+Exit codes: 0 done; 2 nothing to read; 3 matplotlib is missing.
 """
 
 import argparse
 import glob
 import json
+import math
 import os
 
 from run_folder import EXIT_INPUT, need_pyplot, stop
@@ -47,21 +49,32 @@ def row(run):
 
 
 def draw(runs, path):
+    """A cell per rule and height: how far the tower drifted, or when it fell."""
     plt = need_pyplot()
-    figure, axis = plt.subplots(figsize=(8, 5))
-    names = sorted({label(run) for run in runs}, key=lambda name: (RULES.index(name.split(",")[0]), name))
-    for index, name in enumerate(names):
-        of_rule = sorted((run for run in runs if label(run) == name), key=lambda run: run["count"])
-        stood = [run for run in of_rule if run["standing"]]
-        fell = [run for run in of_rule if not run["standing"]]
-        color = plt.cm.tab10(index % 10)
-        axis.loglog([run["count"] for run in stood], [max(run["max_drift_over_side"], 1e-18) for run in stood], "o",
-                    color=color, label=name)
-        axis.loglog([run["count"] for run in fell], [1] * len(fell), "x", ms=9, color=color)
+    # One start for all, that of most runs.
+    starts = [(run["perturbation"], run["start"]) for run in runs]
+    common = max(set(starts), key=starts.count)
+    runs = [run for run in runs if (run["perturbation"], run["start"]) == common]
+    names = list(dict.fromkeys(label(run) for run in runs))
+    heights = sorted({run["count"] for run in runs})
+    figure, axis = plt.subplots(figsize=(2.6 + 1.1 * len(heights), 1 + 0.34 * len(names)))
+    for run in runs:
+        x, y = heights.index(run["count"]), names.index(label(run))
+        exponent = max(-6.0, min(0.0, math.log10(max(run["max_drift_over_side"], 1e-18))))
+        color = plt.cm.YlGn(0.75 + exponent / 8) if run["standing"] else "#c8553d"
+        text = f"{run['max_drift_over_side']:.1g}" if run["standing"] else f"{run['fell_at_s']:.2g} s"
+        axis.add_patch(plt.Rectangle((x - 0.48, y - 0.45), 0.96, 0.9, color=color))
+        dark = not run["standing"] or exponent > -2
+        axis.text(x, y, text, ha="center", va="center", fontsize=8, color="white" if dark else "black")
+    axis.set_xlim(-0.5, len(heights) - 0.5)
+    axis.set_ylim(len(names) - 0.5, -0.5)
+    axis.set_xticks(range(len(heights)), [str(height) for height in heights])
+    axis.set_yticks(range(len(names)), names, fontsize=8)
     axis.set_xlabel("cuboids")
-    axis.set_ylabel("largest drift over the side; x: fell")
-    axis.grid(alpha=0.3)
-    axis.legend(fontsize=7)
+    axis.set_title("green: drift over the side; red: when it fell", fontsize=9)
+    axis.tick_params(length=0)
+    for side in axis.spines.values():
+        side.set_visible(False)
     figure.tight_layout()
     figure.savefig(path, dpi=130)
 
@@ -82,7 +95,7 @@ def main():
             file.write(text)
     else:
         print(text, end="")
-    draw(runs, options.png or os.path.join(options.dir, "stacks.png"))
+    draw(sorted(runs, key=key), options.png or os.path.join(options.dir, "stacks.png"))
 
 
 if __name__ == "__main__":
