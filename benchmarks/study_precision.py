@@ -4,7 +4,7 @@
 usage: study_precision.py --build build/release --out DIR [--part rotations|impacts|beds|all] [--count N] [--seeds S]
 
 DIR/rotations.csv and DIR/impacts.csv come from the benchmarks of the same name; DIR/beds/<name>/result.json from the
-demo packing, one run per step (fraction of the contact time), stiffness and seed. What is there is not done again, so
+demo packing, one run per step (fraction of the contact time), stiffness, rule, rotation scheme and seed. What is there is not done again, so
 that a study that was stopped goes on where it was; a bed that was interrupted is resumed from its checkpoint. The time
 of a run is the processor's (DIR/beds/<name>/processor.json); of a resumed one it is that of the last part, and says so. plots/plot_precision.py makes tables and plots.
 Exit codes: 0 all done; 1 a run failed.
@@ -26,6 +26,7 @@ DENSITY = 2500  # kg/m^3
 RESTITUTION = 0.8
 FRACTIONS = (10, 20, 40, 80, 200)  # steps per contact time
 STIFFNESSES = (1e3, 1e4, 1e5, 1e6)  # N/m
+RULES = ("witness", "manifold", "face_centroid", "pressure_centroid", "patch", "stiff_patch", "foundation")
 
 
 def contact_time(stiffness):
@@ -46,13 +47,16 @@ def run_benchmark(options, name):
 
 
 def beds(options):
-    """The runs: over the step at k_n = 1e4, and over the stiffness at 1/40 of the contact time."""
-    points = [(steps, 1e4) for steps in FRACTIONS] + [(40, k) for k in STIFFNESSES if k != 1e4]
-    return [(steps, k, seed) for seed in range(1, options.seeds + 1) for steps, k in points]
+    """The runs: over the step at k_n = 1e4, over the stiffness at 1/40 of the contact time, over rules and rotation
+    schemes at k_n = 1e4 and 1/80, which every rule's bound allows."""
+    points = [(steps, 1e4, "patch", "seelen") for steps in FRACTIONS]
+    points += [(40, k, "patch", "seelen") for k in STIFFNESSES]
+    points += [(80, 1e4, rule, "seelen") for rule in RULES] + [(80, 1e4, "patch", "spiral")]
+    return [(*point, seed) for seed in range(1, options.seeds + 1) for point in dict.fromkeys(points)]
 
 
-def run_bed(options, steps, stiffness, seed):
-    name = f"n{options.count}_tc{steps}_k{stiffness:.0e}_seed{seed}"
+def run_bed(options, steps, stiffness, rule, scheme, seed):
+    name = f"n{options.count}_tc{steps}_k{stiffness:.0e}_{rule}_{scheme}_seed{seed}"
     folder = os.path.join(options.out, "beds", name)
     result, timing = os.path.join(folder, "result.json"), os.path.join(folder, "processor.json")
     if os.path.exists(result) and os.path.exists(timing):
@@ -63,7 +67,8 @@ def run_bed(options, steps, stiffness, seed):
     if not resumed:
         words = [packing, SCENE, "--out", folder, "--seed", str(seed), "--threads", "1"]
         chosen = {"vessel.radius": "9mm", "insertion.count": options.count, "insertion.rate": 3000,
-                  "contact_default.stiffness": stiffness, "time.step": contact_time(stiffness) / steps,
+                  "model.point_rule": rule, "model.integrator": scheme, "contact_default.stiffness": stiffness,
+                  "time.step": contact_time(stiffness) / steps,
                   "output.energy": "true", "output.plots": "false", "output.picture": "false",
                   "time.max_time": options.time}
         for key, value in chosen.items():
@@ -79,8 +84,8 @@ def run_bed(options, steps, stiffness, seed):
         print(f"{name}: exit code {done.code}: {done.last_line()}", file=sys.stderr, flush=True)
         return False
     with open(timing, "w") as file:
-        json.dump({"steps_per_contact": steps, "stiffness_n_per_m": stiffness, "seed": seed, "count": options.count,
-                   "resumed": resumed, "processor_s": done.user + done.system}, file)
+        json.dump({"steps_per_contact": steps, "stiffness_n_per_m": stiffness, "rule": rule, "scheme": scheme,
+                   "seed": seed, "count": options.count, "resumed": resumed, "processor_s": done.user + done.system}, file)
     print(f"{name}: exit code {done.code}", flush=True)
     return True
 

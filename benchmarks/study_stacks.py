@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Runs towers over rules, heights, time steps, stiffnesses and perturbations, one after the other.
 
-usage: study_stacks.py --stack build/release/demos/stack --out DIR [--set rules|sharpness|steps|stiffness|starts|all]
+usage: study_stacks.py --stack build/release/demos/stack --out DIR [--set rules|slab|sharpness|steps|stiffness|perturbations|starts|all]
        [--time T] [--jobs N]
 
 Each run writes DIR/<name>.json and keeps its checkpoints in DIR/<name>.checkpoints until it is done. A run whose file
@@ -16,7 +16,7 @@ import shutil
 import subprocess
 import sys
 
-RULES = ["witness", "face_centroid", "pressure_centroid", "patch", "stiff_patch", "foundation"]
+RULES = ["witness", "manifold", "face_centroid", "pressure_centroid", "patch", "stiff_patch", "foundation"]
 
 
 def sets(name):
@@ -37,13 +37,15 @@ def sets(name):
     if name == "stiffness":
         return [{"rule": rule, "count": 50, "perturb": 1e-6, "kn": kn, "fraction": 0.5}
                 for rule in ("patch", "stiff_patch") for kn in (1e4, 1e5, 1e6)]
+    if name == "perturbations":
+        return [{"rule": rule, "count": 20, "perturb": p, "dt": 4e-6} for rule in RULES for p in (0, 1e-12, 1e-6, 1e-3)]
     if name == "starts":
         return [{"rule": "stiff_patch", "count": 100, "perturb": p, "dt": 4e-6, "drop": drop}
                 for drop in (False, True) for p in (0, 1e-12, 1e-6, 1e-3)]
     raise SystemExit(f"study_stacks.py: no set \"{name}\"")
 
 
-ALL = ["rules", "slab", "sharpness", "steps", "stiffness", "starts"]
+ALL = ["rules", "slab", "sharpness", "steps", "stiffness", "perturbations", "starts"]
 
 
 def name_of(run):

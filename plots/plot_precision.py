@@ -102,15 +102,18 @@ def measures(bed):
 
 def tabulate_beds(beds):
     names = list(measures(next(b for b in beds if "energy" in b)))
+    keys = ("rule", "scheme", "stiffness_n_per_m", "steps_per_contact")
     lines = []
-    for (stiffness, steps), group in sorted(grouped(beds, "stiffness_n_per_m", "steps_per_contact").items()):
+    for (rule, scheme, stiffness, steps), group in sorted(grouped(beds, *keys).items()):
+        point = [rule, scheme, f"{stiffness:.0e}", f"t_c/{steps}"]
         done = [measures(bed) for bed in group if "energy" in bed]
         if not done:
-            lines.append([f"{stiffness:.0e}", f"t_c/{steps}", "0"] + ["refused"] + [""] * (len(names) - 1))
+            lines.append(point + ["0", "refused"] + [""] * len(names))
             continue
-        lines.append([f"{stiffness:.0e}", f"t_c/{steps}", str(len(done))]
+        rest = sum(bed["outcome"] == "rested" for bed in group)
+        lines.append(point + [f"{rest} of {len(done)}"]
                      + [mean_and_spread([one[name] for one in done]) for name in names])
-    return table(["k_n, N/m", "step", "seeds"] + names, lines)
+    return table(["rule", "scheme", "k_n, N/m", "step", "at rest"] + names, lines)
 
 
 def draw_rotations(plt, rows, path):
@@ -150,7 +153,8 @@ def draw_impacts(plt, rows, path):
 
 
 def draw_beds(plt, beds, path):
-    beds = [bed for bed in beds if "energy" in bed and not bed.get("resumed")]
+    beds = [bed for bed in beds if "energy" in bed and not bed.get("resumed")
+            and (bed["rule"], bed["scheme"]) == ("patch", "seelen")]
     names = list(measures(beds[0]))[:4]
     figure, axes = plt.subplots(1, len(names), figsize=(4 * len(names), 3.8))
     for axis, name in zip(axes, names):
