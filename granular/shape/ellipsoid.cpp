@@ -41,7 +41,9 @@ std::pair<double, double> surfaceMeasures(const Vec3& axes) {
 
 Ellipsoid::Ellipsoid(const Vec3& semiAxes) : Shape(ShapeKind::ellipsoid), axes(semiAxes) {
   for (int k = 0; k < 3; ++k) requireLength("ellipsoid", std::string("semi-axis ") + "abc"[k], axes[k]);
-  const double longestAxis = axes.maxCoeff();
+  const double longestAxis = axes.maxCoeff(), shortestAxis = axes.minCoeff();
+  longestOverShortest = longestAxis / shortestAxis;
+  sharpest = shortestAxis * shortestAxis / longestAxis;
   MassProperties closed;
   closed.volume = 4.0 / 3 * pi * axes.prod();
   const Vec3 squares = axes.cwiseProduct(axes);
@@ -49,7 +51,7 @@ Ellipsoid::Ellipsoid(const Vec3& semiAxes) : Shape(ShapeKind::ellipsoid), axes(s
   const auto [area, meanSquare] = surfaceMeasures(axes / longestAxis);
   closed.area = area * longestAxis * longestAxis;
   closed.meanSquareRadius = meanSquare * longestAxis * longestAxis;
-  setMeasures(closed, longestAxis, axes.minCoeff(), 2 * longestAxis, distinctAxis(axes, true));
+  setMeasures(closed, longestAxis, shortestAxis, 2 * longestAxis, distinctAxis(axes, true));
 }
 
 void Ellipsoid::supportFeature(const Vec3& d, double, Feature& out) const {

@@ -17,6 +17,10 @@ class Ellipsoid final : public Shape {
   /// Semi-axes along x, y, z, m. Throws InputError unless each is finite and above 0.
   explicit Ellipsoid(const Vec3& semiAxes);
   const Vec3& semiAxes() const { return axes; }
+  /// The longest over the shortest.
+  double ratio() const { return longestOverShortest; }
+  /// At the ends of the longest, of the curvature along the shortest, m: a ball of it rolls freely inside.
+  double leastCurvatureRadius() const { return sharpest; }
 
   Vec3 support(const Vec3& d) const override { return ellipsoidSupport(axes, d); }
   void supportFeature(const Vec3& d, double slab, Feature& out) const override;
@@ -29,6 +33,7 @@ class Ellipsoid final : public Shape {
 
  private:
   Vec3 axes;
+  double longestOverShortest, sharpest;
 };
 
 }  // namespace granular

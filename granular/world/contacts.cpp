@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "granular/narrow/bullet_manifold.h"
+#include "granular/narrow/ellipsoid_batch.h"
 #include "granular/shape/polyhedron.h"
 #include "granular/world/clump_contacts.h"
 #include "granular/world/stages.h"
@@ -140,6 +141,16 @@ void sumHeldForces(World& world) {
   }
 }
 
+/// True if all bodies of these active pairs are of a kind.
+bool areAll(ShapeKind kind, const World& world, Range range) {
+  const auto isOne = [&](std::int32_t body) { return world.bodies.shape[at(body)]->kind() == kind; };
+  for (std::size_t p = range.first; p < range.last; ++p) {
+    const Pair& pair = world.pairs.pairs[at(world.activePairs[p])];
+    if (!isOne(pair.a) || !isOne(pair.b)) return false;
+  }
+  return true;
+}
+
 /// True if the contacts of these active pairs can be made in batches: spheres alone, the linear law, and nobody who
 /// asks for more than forces.
 bool canBatch(const World& world, Range range) {
@@ -148,12 +159,7 @@ bool canBatch(const World& world, Range range) {
   // These rules place the contacts of spheres to round-off only, or keep several of them.
   const bool deepest = options.rule.rule != PointRule::faceCentroid && options.rule.rule != PointRule::manifold;
   if (options.noBatches || !plain || !deepest) return false;
-  const auto isBall = [&](std::int32_t body) { return world.bodies.shape[at(body)]->kind() == ShapeKind::sphere; };
-  for (std::size_t p = range.first; p < range.last; ++p) {
-    const Pair& pair = world.pairs.pairs[at(world.activePairs[p])];
-    if (!isBall(pair.a) || !isBall(pair.b)) return false;
-  }
-  return true;
+  return areAll(ShapeKind::sphere, world, range);
 }
 
 }  // namespace
@@ -170,34 +176,42 @@ void startChunk(World::Chunk& chunk) {
 
 namespace {
 
-/// Looks at one pair of bodies; appends its contact if it touches.
-void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
+/// A look at one pair of bodies that has begun.
+struct Look {
+  std::int32_t index;  ///< of the pair
+  double travel;       ///< of both bodies so far
+  bool touchedBefore;
+  Vec3 shift;
+  Frame frameB;  ///< next to A
+};
+
+/// Begins a look: false where the pair needs none.
+bool beginLook(World& world, std::int32_t index, Look& look) {
   const Bodies& bodies = world.bodies;
-  Pair& pair = world.pairs.pairs[at(index)];
-  const std::size_t a = at(pair.a);
-  const std::size_t b = at(pair.b);
+  const Pair& pair = world.pairs.pairs[at(index)];
+  const std::size_t a = at(pair.a), b = at(pair.b);
   std::vector<Contact>& held = world.pairs.memory.held;
   if (at(pair.slot) < held.size()) held[at(pair.slot)].a = -1;
-  const bool hasClump = world.anyClump && (asClump(*bodies.shape[a]) || asClump(*bodies.shape[b]));
-  if (hasClump) world.pairs.memory.clumps[at(pair.slot)].held.clear();
-  const double travel = bodies.travel[a] + bodies.travel[b];
-  if (world.options.skips.separation && travel < pair.quietUntil) return;
-  if (hasClump) return lookAtClumpPair(world, index, travel, chunk);
-
-  const Vec3 shift = world.options.periods.shift(pair.image);
-  Frame frameB = bodies.frame[b];
-  frameB.x += shift;
-  WarmCache& cache = world.pairs.memory.cache[at(pair.slot)];
-  Touch touch;
-  const std::uint64_t uncertified = chunk.counts.uncertified;
+  look.travel = bodies.travel[a] + bodies.travel[b];
+  if (world.options.skips.separation && look.travel < pair.quietUntil) return false;
+  look.index = index;
+  look.shift = world.options.periods.shift(pair.image);
+  look.frameB = bodies.frame[b];
+  look.frameB.x += look.shift;
   // Contacts of balls made in batches keep no cache.
-  const bool touchedBefore = cache.touched != 0 || bodies.shape[a]->kind() == ShapeKind::sphere;
-  const bool touching = findTouch(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB,
-                                  !world.options.skips.feature, cache, chunk.counts, touch);
-  if (chunk.counts.uncertified > uncertified && chunk.uncertifiedPair < 0) chunk.uncertifiedPair = index;
+  look.touchedBefore =
+      world.pairs.memory.cache[at(pair.slot)].touched != 0 || bodies.shape[a]->kind() == ShapeKind::sphere;
+  return true;
+}
+
+/// Ends it with what was found: appends the contacts, or waits for as long as the gap needs to close.
+void endLook(World& world, const Look& look, bool touching, const Touch& touch, World::Chunk& chunk) {
+  const Bodies& bodies = world.bodies;
+  Pair& pair = world.pairs.pairs[at(look.index)];
+  const std::size_t a = at(pair.a), b = at(pair.b);
   if (!touching) {
-    pair.quietUntil = travel + cache.budget;
-    if (!touchedBefore) return;
+    pair.quietUntil = look.travel + world.pairs.memory.cache[at(pair.slot)].budget;
+    if (!look.touchedBefore) return;
     world.pairs.memory.history[at(pair.slot)] = ContactHistory{};
     if (at(pair.slot) < world.pairs.memory.manifolds.size())
       world.pairs.memory.manifolds[at(pair.slot)] = ManifoldMemory{};
@@ -207,7 +221,7 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   std::array<ManifoldContact, 4> several;
   int count = 1;
   if (world.options.rule.rule == PointRule::manifold) {
-    count = refreshManifold(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB, touch,
+    count = refreshManifold(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], look.frameB, touch,
                             world.pairs.memory.manifolds[at(pair.slot)].manifold, several);
   } else {
     several[0] = {touch, 0, 1};
@@ -215,16 +229,89 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   for (int k = 0; k < count; ++k) {
     const ManifoldContact& found = several[static_cast<std::size_t>(k)];
     Contact& contact = chunk.contacts.emplace_back();
-    contact.pair = index;
+    contact.pair = look.index;
     contact.a = pair.a;
     contact.b = pair.b;
     contact.spot.number = found.spot;
     contact.share = found.share;
-    contact.shift = shift;
+    contact.shift = look.shift;
     contact.touch = found.touch;
   }
   chunk.noteDepth(touch.overlap, std::min(bodies.shape[a]->size(), bodies.shape[b]->size()));
 }
+
+/// Looks at one pair of bodies; appends its contact if it touches.
+void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
+  const Bodies& bodies = world.bodies;
+  const Pair& pair = world.pairs.pairs[at(index)];
+  const std::size_t a = at(pair.a), b = at(pair.b);
+  const bool hasClump = world.anyClump && (asClump(*bodies.shape[a]) || asClump(*bodies.shape[b]));
+  if (hasClump) world.pairs.memory.clumps[at(pair.slot)].held.clear();
+  Look look;
+  if (!beginLook(world, index, look)) return;
+  if (hasClump) return lookAtClumpPair(world, index, look.travel, chunk);
+
+  Touch touch;
+  const std::uint64_t uncertified = chunk.counts.uncertified;
+  const bool touching =
+      findTouch(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], look.frameB, !world.options.skips.feature,
+                world.pairs.memory.cache[at(pair.slot)], chunk.counts, touch);
+  if (chunk.counts.uncertified > uncertified && chunk.uncertifiedPair < 0) chunk.uncertifiedPair = index;
+  endLook(world, look, touching, touch, chunk);
+}
+
+/// Looks at pairs of ellipsoids, many at a time and in their order.
+class EllipsoidLooks {
+ public:
+  EllipsoidLooks(World& chosen, World::Chunk& into) : world(chosen), chunk(into) {}
+
+  /// Begins a look; the contacts of the pair will be known after finish(), which must come before any other pair's.
+  /// position: of the pair among the active ones.
+  void begin(std::size_t position, std::int32_t index) {
+    Look& look = looks[batch.size()];
+    world.contactsOfPair[position] = {static_cast<std::int32_t>(chunk.contacts.size()), 0};
+    if (!beginLook(world, index, look)) return;
+    const Pair& pair = world.pairs.pairs[at(index)];
+    EllipsoidLook steps;
+    if (!steps.begin(view(pair, look), world.pairs.memory.cache[at(pair.slot)], chunk.counts)) {
+      endLook(world, look, false, {}, chunk);
+      return;
+    }
+    positions[batch.size()] = position;
+    batch.add(steps);
+    if (batch.isFull()) finish();
+  }
+
+  void finish() {
+    batch.run();
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+      const Look& look = looks[k];
+      const Pair& pair = world.pairs.pairs[at(look.index)];
+      const std::uint64_t uncertified = chunk.counts.uncertified;
+      Touch touch;
+      const bool touching = batch.look(k).end(batch.answer(k), view(pair, look),
+                                              world.pairs.memory.cache[at(pair.slot)], chunk.counts, touch);
+      if (chunk.counts.uncertified > uncertified && chunk.uncertifiedPair < 0) chunk.uncertifiedPair = look.index;
+      const auto first = static_cast<std::int32_t>(chunk.contacts.size());
+      endLook(world, look, touching, touch, chunk);
+      world.contactsOfPair[positions[k]] = {first, static_cast<std::int32_t>(chunk.contacts.size()) - first};
+    }
+    batch.clear();
+  }
+
+ private:
+  PairView view(const Pair& pair, const Look& look) const {
+    const Bodies& bodies = world.bodies;
+    return {*bodies.shape[at(pair.a)], bodies.frame[at(pair.a)], *bodies.shape[at(pair.b)], look.frameB,
+            !world.options.skips.feature};
+  }
+
+  World& world;
+  World::Chunk& chunk;
+  EllipsoidBatch batch;
+  std::array<Look, EllipsoidBatch::capacity> looks;
+  std::array<std::size_t, EllipsoidBatch::capacity> positions;
+};
 
 /// Starts to bring into the cache what a look at a pair reads, in two steps: where it lies, and what lies there. Pairs
 /// that will not be looked at bring nothing.
@@ -310,7 +397,9 @@ void layOutContacts(World& world) {
   world.chunks.resize(world.wallChunkBegin + chunkCount(world.activeWallPairs.size()));
   for (std::size_t c = 0; c < world.chunks.size(); ++c) {
     const bool atWalls = c >= world.wallChunkBegin;
-    world.chunks[c].ofBalls = !atWalls && canBatch(world, chunkRange(c, world.activePairs.size()));
+    const Range range = chunkRange(c, world.activePairs.size());
+    world.chunks[c].ofBalls = !atWalls && canBatch(world, range);
+    world.chunks[c].ofEllipsoids = !atWalls && !world.options.noBatches && areAll(ShapeKind::ellipsoid, world, range);
   }
   world.contactsOfPair.resize(world.activePairs.size() + world.activeWallPairs.size());
   world.layoutStale = false;
@@ -324,6 +413,15 @@ void findContacts(std::size_t c, World& world) {
   const Range range =
       atWalls ? chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()) : chunkRange(c, pairCount);
   const std::size_t rangeOffset = atWalls ? pairCount : 0;
+  if (!atWalls && chunk.ofEllipsoids) {
+    EllipsoidLooks looks(world, chunk);
+    for (std::size_t p = range.first; p < range.last; ++p) {
+      if (p + farAhead < range.last) fetchWhat(world, world.pairs.pairs[at(world.activePairs[p + farAhead])]);
+      looks.begin(p, world.activePairs[p]);
+    }
+    looks.finish();
+    return;
+  }
   for (std::size_t p = range.first; p < range.last; ++p) {
     const auto first = static_cast<std::int32_t>(chunk.contacts.size());
     if (atWalls) {

@@ -1,7 +1,8 @@
-// Contacts of spheres made in batches against those made one by one.
+// Contacts of spheres made in batches, and ellipsoids looked at in batches, against one by one.
 #include <gtest/gtest.h>
 #include <omp.h>
 
+#include "granular/shape/ellipsoid.h"
 #include "granular/shape/polyhedron.h"
 #include "granular/shape/sphere.h"
 #include "world/heap.h"
@@ -110,6 +111,45 @@ std::vector<Case> cases() {
 }
 
 INSTANTIATE_TEST_SUITE_P(World, Balls, ::testing::ValuesIn(cases()), [](const auto& info) { return info.param.name; });
+
+TEST(Ellipsoids, LookedAtInBatchesHaveTheSameBitsAsOneByOne) {
+  for (const LawKind law : {LawKind::linear, LawKind::hertz}) {
+    std::unique_ptr<World> worlds[2];
+    for (const bool oneByOne : {false, true}) {
+      WorldOptions options;
+      options.noBatches = oneByOne;
+      options.law = law;
+      options.sleep.on = law == LawKind::linear;
+      options.sleep.time = 1e-3;
+      options.sleep.energy = 1;
+      ContactParameters contact;
+      setElasticity({1e7, .3}, {1e7, .3}, contact);
+      contact.dampingRateN = contact.dampingRateT = 200;
+      worlds[oneByOne] = testing::makeEmptyWorld(options, contact);
+      World& world = *worlds[oneByOne];
+      const double pitch = 2.6e-3;
+      testing::addBoxOfPlanes(0.5 * pitch * 6, world);
+      const std::vector<std::int32_t> shapes = {
+          world.addShape(std::make_shared<Ellipsoid>(Vec3(1e-3, 1e-3, 1.28e-3))),
+          world.addShape(std::make_shared<Ellipsoid>(Vec3(.6e-3, 1.28e-3, 1e-3)))};
+      testing::addLattice(shapes, 6, pitch, 100, world);
+      startHalfSteps(world, 5e-6, 0, true);
+    }
+    std::size_t contacts = 0;
+    for (int n = 0; n < 2000; ++n) {
+      for (auto& world : worlds) step(*world, 5e-6);
+      ASSERT_TRUE(isSameBits(stateOf(*worlds[0]), stateOf(*worlds[1]))) << "step " << n;
+      if (n % 20 != 0) continue;
+      ASSERT_TRUE(isSameBits(contactsOf(*worlds[0]), contactsOf(*worlds[1]))) << "step " << n;
+      contacts += worlds[0]->contactCount();
+    }
+    EXPECT_TRUE(worlds[0]->chunks.front().ofEllipsoids);
+    EXPECT_FALSE(worlds[1]->chunks.front().ofEllipsoids);
+    EXPECT_GT(contacts, 500u);
+    EXPECT_EQ(worlds[0]->report.narrow.warm, worlds[1]->report.narrow.warm);
+    EXPECT_EQ(worlds[0]->report.narrow.searches, worlds[1]->report.narrow.searches);
+  }
+}
 
 /// With one thread forces are added contact by contact, with several body by body.
 TEST(Balls, MoveByTheSameBitsWithOneTwoAndFourThreads) {

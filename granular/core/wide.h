@@ -1,0 +1,88 @@
+// As many numbers side by side as the registers of the machine compiled for hold, and code that is written once for
+// them and for one number alone: kernels over many contacts, whose answers are the same bits either way. g++ and clang
+// know arithmetic, comparisons and ?: of such vectors; what else is needed stands here.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#ifdef __AVX__
+#include <immintrin.h>
+#endif
+
+#include "granular/core/math.h"
+
+namespace granular {
+
+#if defined(__AVX512F__)
+inline constexpr std::size_t wideSize = 8;
+#elif defined(__AVX__)
+inline constexpr std::size_t wideSize = 4;
+#else
+inline constexpr std::size_t wideSize = 2;
+#endif
+typedef double Wide __attribute__((vector_size(wideSize * sizeof(double))));
+
+inline Wide loadWide(const double* from) {
+  Wide wide;
+  std::memcpy(&wide, from, sizeof wide);
+  return wide;
+}
+inline void storeWide(const Wide& wide, double* to) { std::memcpy(to, &wide, sizeof wide); }
+
+inline double squareRoot(double x) { return std::sqrt(x); }
+inline Wide squareRoot(const Wide& x) {
+#if defined(__AVX512F__)
+  return _mm512_maskz_sqrt_pd(0xff, x);  // of all eight: g++ 12 warns of its own _mm512_sqrt_pd
+#elif defined(__AVX__)
+  return _mm256_sqrt_pd(x);
+#else
+  Wide root;
+  for (std::size_t k = 0; k < wideSize; ++k) root[k] = std::sqrt(x[k]);
+  return root;
+#endif
+}
+
+/// What a comparison of Reals is: bool, or a vector of them.
+template <class Real>
+using Mask = decltype(Real{} < Real{});
+
+inline double choose(bool first, double a, double b) { return first ? a : b; }
+inline Wide choose(const Mask<Wide>& first, const Wide& a, const Wide& b) { return first ? a : b; }
+
+inline bool both(bool a, bool b) { return a && b; }
+inline bool either(bool a, bool b) { return a || b; }
+inline Mask<Wide> both(const Mask<Wide>& a, const Mask<Wide>& b) { return a & b; }
+inline Mask<Wide> either(const Mask<Wide>& a, const Mask<Wide>& b) { return a | b; }
+
+/// A vector in space of such numbers.
+template <class Real>
+struct Triple {
+  Real x, y, z;
+
+  Triple operator+(const Triple& o) const { return {x + o.x, y + o.y, z + o.z}; }
+  Triple operator-(const Triple& o) const { return {x - o.x, y - o.y, z - o.z}; }
+  Triple cross(const Triple& o) const { return {y * o.z - z * o.y, z * o.x - x * o.z, x * o.y - y * o.x}; }
+  Real dot(const Triple& o) const { return x * o.x + y * o.y + z * o.z; }
+  /// Coefficient by coefficient.
+  Triple times(const Triple& o) const { return {x * o.x, y * o.y, z * o.z}; }
+  Real norm() const { return squareRoot(dot(*this)); }
+};
+
+template <class Real>
+Triple<Real> operator*(const Real& s, const Triple<Real>& v) {
+  return {s * v.x, s * v.y, s * v.z};
+}
+template <class Real>
+Triple<Real> unit(const Triple<Real>& v) {
+  return Real(1 / v.norm()) * v;
+}
+template <class Real>
+Triple<Real> choose(const Mask<Real>& first, const Triple<Real>& a, const Triple<Real>& b) {
+  return {choose(first, a.x, b.x), choose(first, a.y, b.y), choose(first, a.z, b.z)};
+}
+
+inline Triple<double> toTriple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+inline Vec3 toVec3(const Triple<double>& v) { return {v.x, v.y, v.z}; }
+
+}  // namespace granular

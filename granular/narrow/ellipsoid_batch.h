@@ -1,0 +1,44 @@
+// Looks at pairs of ellipsoids whose Newton steps are taken side by side; the same bits as one by one.
+#pragma once
+
+#include <array>
+
+#include "granular/narrow/ellipsoid_pair.h"
+
+namespace granular {
+
+class EllipsoidBatch {
+ public:
+  static constexpr std::size_t capacity = 32;  // its lanes stay in the first cache
+
+  std::size_t size() const { return count; }
+  bool isFull() const { return count == capacity; }
+  /// Adds a look that was begun; answer(k) belongs to the k-th added.
+  void add(const EllipsoidLook& look);
+  /// Takes the steps of all looks added.
+  void run();
+  const EllipsoidLook& look(std::size_t k) const { return looks[k]; }
+  NewtonAnswer<double> answer(std::size_t k) const {
+    return {take(normal, k), take(onA, k), take(onB, k), depth[k], converged[k] != 0};
+  }
+  void clear() { count = 0; }
+
+ private:
+  using Lane = std::array<double, capacity>;
+  struct Lanes {
+    Lane x, y, z;
+  };
+  static Triple<double> take(const Lanes& lanes, std::size_t k) { return {lanes.x[k], lanes.y[k], lanes.z[k]}; }
+
+  std::size_t count = 0;
+  std::array<EllipsoidLook, capacity> looks;
+  // In.
+  alignas(64) Lanes axesA;
+  Lanes axesB, column0, column1, column2, x, start;
+  Lane ratio, roundOff;
+  // Out.
+  Lanes normal, onA, onB;
+  Lane depth, converged;
+};
+
+}  // namespace granular
