@@ -4,7 +4,7 @@
 usage: plot_stacks.py DIR [--markdown FILE] [--png FILE]
 
 Reads every DIR/*.json. Writes one Markdown table per kind of run (stdout or FILE), and a picture of which tower stood, rule
-by rule and height by height, of the runs with the most common start (DIR/stacks.png or FILE).
+by rule and height by height, of the runs with the most common start, step and stiffness (DIR/stacks.png or FILE).
 Exit codes: 0 done; 2 nothing to read; 3 matplotlib is missing.
 """
 
@@ -51,10 +51,11 @@ def row(run):
 def draw(runs, path):
     """A cell per rule and height: how far the tower drifted, or when it fell."""
     plt = need_pyplot()
-    # One start for all, that of most runs.
-    starts = [(run["perturbation"], run["start"]) for run in runs]
-    common = max(set(starts), key=starts.count)
-    runs = [run for run in runs if (run["perturbation"], run["start"]) == common]
+    # One start, step and stiffness for all, those of most runs.
+    keys = ("perturbation", "start", "dt_s", "stiffness_n_per_m")
+    choices = [tuple(run[key] for key in keys) for run in runs]
+    common = max(set(choices), key=choices.count)
+    runs = [run for run, choice in zip(runs, choices) if choice == common]
     names = list(dict.fromkeys(label(run) for run in runs))
     heights = sorted({run["count"] for run in runs})
     figure, axis = plt.subplots(figsize=(2.6 + 1.1 * len(heights), 1 + 0.34 * len(names)))

@@ -3,6 +3,7 @@
 // alone is looked at, verified as for all polyhedra (polyhedron_features.h).
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "granular/core/tolerances.h"
 #include "granular/narrow/kernels.h"
@@ -22,7 +23,8 @@ struct Boxes {
       : a(static_cast<const Cuboid&>(view.a).halfLengths()),
         b(static_cast<const Cuboid&>(view.b).halfLengths()),
         frame(relativeFrame(view.frameA, view.frameB)),
-        tie(tolerance::tie * std::min(view.a.size(), view.b.size())),
+        tie(std::max(tolerance::tie * std::min(view.a.size(), view.b.size()),
+                     8 * std::numeric_limits<double>::epsilon() * (a.maxCoeff() + b.maxCoeff()))),
         inner(view.a.innerRadius() + view.b.innerRadius()) {}
 };
 
@@ -158,8 +160,9 @@ FeatureCheck checkEdges(const Boxes& p, int i, int j) {
   out.margin = std::max(0.0, margin);
   out.minimum.normal = n;
   out.minimum.depth = depthAlongAxis(p, n);
-  middleA[i] = s;
-  const Vec3 middle = 0.5 * (middleA + onLineB + t * axis);
+  // Where the lines meet beyond the edges, this is no minimum; the points stay on the bodies all the same.
+  middleA[i] = std::clamp(s, -p.a[i], p.a[i]);
+  const Vec3 middle = 0.5 * (middleA + onLineB + std::clamp(t, -p.b[j], p.b[j]) * axis);
   out.minimum.onA = middle + 0.5 * out.minimum.depth * n;
   out.minimum.onB = middle - 0.5 * out.minimum.depth * n;
   return out;
@@ -193,7 +196,11 @@ Axis findLeastAxis(const Boxes& p) {
       if (!(sine2 > leastSine2)) continue;
       const double reach = p.a[k] * size(l, j) + p.a[l] * size(k, j) + p.b[m] * size(i, o) + p.b[o] * size(i, m);
       const double apart = std::abs(p.frame.R(k, j) * p.frame.x[l] - p.frame.R(l, j) * p.frame.x[k]);
-      const double depth = (reach - apart) / std::sqrt(sine2);
+      if (!((reach - apart) / std::sqrt(sine2) < best.depth - p.tie)) continue;
+      // Of edges that are nearly parallel the quotient has lost digits; along the axis itself the depth has all.
+      Vec3 n;
+      makeEdgeAxis(p, i, j, n);
+      const double depth = depthAlongAxis(p, n);
       if (depth < best.depth - p.tie) best = {WarmCache::edgePair, i, j, depth};
     }
   }

@@ -1,5 +1,9 @@
 #include "granular/point/overlap.h"
 
+#include <algorithm>
+#include <limits>
+#include <span>
+
 #include "granular/point/clip.h"
 #include "granular/point/corner_overlap.h"
 
@@ -136,6 +140,35 @@ class FaceWalk {
   double least = 0;
 };
 
+/// Of a strip's width.
+constexpr double sidewaysSlack = 1e-6;
+
+/// Keeps the part of a strip's middle line over one of several faces that meet at the deepest point, given by `which`.
+/// Round-off must not decide about a line along an edge: between two of the faces the one whose depth is less has it,
+/// and beyond the others' outline it may lie sideways by `sidewaysSlack`.
+bool keepOverFace(const SurfaceSide& body, std::span<const std::int32_t> faces, std::span<const Linear> depths,
+                  std::size_t which, double sign, double width, Segment& piece) {
+  const Vec2 along = piece.to - piece.from;
+  const Vec2 lateral = Vec2(-along.y(), along.x()) / std::max(along.norm(), std::numeric_limits<double>::min());
+  Polygon face;
+  body.projectFace(faces[which], face);
+  for (int k = 0; k < face.count; ++k) {
+    const std::int32_t name = face.edge(k), beyond = sign > 0 ? name : -2 - name;
+    if (name != noEdge && std::find(faces.begin(), faces.end(), beyond) != faces.end()) continue;
+    Linear side = findLeftSide(face[k], face[face.next(k)]);
+    side.offset += sidewaysSlack * width * std::abs(side.slope.dot(lateral));
+    if (!clipSegment(side, piece)) return false;
+  }
+  for (std::size_t other = 0; other < faces.size(); ++other) {
+    if (other == which) continue;
+    // Where two are equal all along, the first has it.
+    const Linear more = depths[other] - depths[which];
+    if (other < which && more.at(piece.from) <= 0 && more.at(piece.to) <= 0) return false;
+    if (!clipSegment(more, piece)) return false;
+  }
+  return true;
+}
+
 /// A segment over flat faces, or beside another segment: the strip along it.
 void measureStrip(const SurfaceSide& a, const SurfaceSide& b, double width, const PowerChoice& power,
                   OverlapArea& out) {
@@ -144,22 +177,24 @@ void measureStrip(const SurfaceSide& a, const SurfaceSide& b, double width, cons
   const SurfaceSide& wide = aIsSegment ? b : a;
   std::array<std::int32_t, Feature::capacity> faces{};
   const int count = wide.dimension() == 3 ? wide.findFacesAround(faces) : 1;
+  const auto number = static_cast<std::size_t>(count);
 
-  Polygon face;
+  std::array<Linear, Feature::capacity> depths;
   Cells cells;
-  for (int k = 0; k < count; ++k) {
-    const std::int32_t name = faces[static_cast<std::size_t>(k)];
-    cells.add({name, name, a.findHeight(name), b.findHeight(name)});
-    const Linear depth = cells[k].heightA - cells[k].heightB;
+  for (std::size_t k = 0; k < number; ++k) {
+    cells.add({faces[k], faces[k], a.findHeight(faces[k]), b.findHeight(faces[k])});
+    depths[k] = cells[static_cast<int>(k)].heightA - cells[static_cast<int>(k)].heightB;
+  }
+  for (std::size_t k = 0; k < number; ++k) {
     Segment piece = thin.segment();
-    if (!clipSegment(depth, piece)) continue;
+    if (!clipSegment(depths[k], piece)) continue;
     if (wide.dimension() == 3) {
-      wide.projectFace(name, face);
-      if (!clipSegment(face, piece)) continue;
+      if (!keepOverFace(wide, {faces.data(), number}, {depths.data(), number}, k, aIsSegment ? -1 : 1, width, piece))
+        continue;
     } else if (!clipSegment(wide.segment(), width, piece)) {
       continue;
     }
-    out.moments += integrate(piece, width, depth.at(piece.from), depth.at(piece.to), power);
+    out.moments += integrate(piece, width, depths[k].at(piece.from), depths[k].at(piece.to), power);
   }
   if (out.moments.volume > 0) out.height = findMiddle(cells, out.moments.centroidOfVolume());
 }

@@ -24,13 +24,13 @@ Pressure pressStiffPatch(const AreaMoments& m, int sharpness, double overlap) {
   // Faces that touch within round-off have depths of nothing beside the overlap, or of many times that, whose powers are
   // lost: they press with nothing. Between these bounds the quotients keep all their digits.
   constexpr double least = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
-  if (!(I.at > least * m.area && I.at < m.area / least)) {
+  const double u = I.above / I.at;  // over the overlap
+  const double weight = (p + 1) * I.at - p * u * I.below;
+  if (!(I.at > least * m.area && I.at < m.area / least && weight > 0 && weight < infinity)) {
     out.centre = m.centroidOfVolume();
     out.depth = out.squaredDepth = 0;
     return out;
   }
-  const double u = I.above / I.at;  // over the overlap
-  const double weight = (p + 1) * I.at - p * u * I.below;
   out.centre = ((p + 1) * I.firstAt - p * u * I.firstBelow) / weight;
   out.depth = overlap * u * weight / I.at;
   out.squaredDepth = overlap * u * overlap * u;

@@ -83,7 +83,11 @@ INSTANTIATE_TEST_SUITE_P(
         OnceWrong{3, 24133, "nearly parallel faces that no feature owns up to"},
         OnceWrong{3, 44592, "the same, aligned"}, OnceWrong{3, 145689, "two needles tip on tip, uncertified"},
         OnceWrong{3, 176236, "a descent that ended beside the minimum, warm"},
-        OnceWrong{3, 87657, "an overlap of nothing between faces that are nearly one"}),
+        OnceWrong{3, 87657, "an overlap of nothing between faces that are nearly one"},
+        OnceWrong{5, 899914, "an axis across edges that are nearly parallel, of a cuboid five hundred times larger"},
+        OnceWrong{6, 131104, "the same, half as large"}, OnceWrong{7, 703099, "a pressure of nothing over nothing"},
+        OnceWrong{4, 191161, "a cylinder's side along the edge between two faces"},
+        OnceWrong{6, 672052, "the same along an edge whose other face is too steep to count"}),
     [](const auto& instance) {
       return "Seed" + std::to_string(instance.param.seed) + "Pair" + std::to_string(instance.param.number);
     });
