@@ -100,11 +100,14 @@ SurfacePoint findOnCone(const Cone& cone, const Vec3& c) {
     if (toBase > toSide) return liftFromProfile(c, {p.x(), cone.baseZ()}, {0, -1}, toBase);
     return liftFromProfile(c, p - toSide * outward, outward, toSide);
   }
-  // Outside: the nearer of the base disk and the generator.
+  // Outside: the nearer of the base disk and the generator. Beside the latter its own normal, whatever is left of p.
   const Vec2 onBase(std::min(p.x(), cone.radius()), cone.baseZ());
-  const double along = std::clamp(slant.dot(p - rim) / (length * length), 0.0, 1.0);
-  const Vec2 onSide = rim + along * slant;
-  const Vec2 nearest = (p - onBase).squaredNorm() < (p - onSide).squaredNorm() ? onBase : onSide;
+  const double along = slant.dot(p - rim) / (length * length);
+  const bool beside = along > 0 && along < 1;
+  const Vec2 onSide = beside ? Vec2(p - toSide * outward) : Vec2(rim + std::clamp(along, 0.0, 1.0) * slant);
+  const bool base = (p - onBase).squaredNorm() < (p - onSide).squaredNorm();
+  if (beside && !base) return liftFromProfile(c, onSide, outward, toSide);
+  const Vec2 nearest = base ? onBase : onSide;
   const double distance = (p - nearest).norm();
   return liftFromProfile(c, nearest, distance > 0 ? Vec2((p - nearest) / distance) : outward, distance);
 }

@@ -40,31 +40,35 @@ inline AreaMoments integrate(const Polygon& polygon, const Linear& depth, const 
   AreaMoments m;
   if (polygon.count < 3) return m;
 
-  // A fan of triangles about the first corner p: integrals about p, which small polygons far away need.
+  // A fan of triangles about the first corner p: integrals about p, which small polygons far away need. Areas and depths
+  // below 0 are round-off; without them all sums are of one sign, and a centroid stays inside whatever the sliver.
   const Vec2 p = polygon[0];
+  const double atCorner = std::max(depth.at(p), 0.0);
   Vec2 a = polygon[1] - p;
+  double atA = std::max(depth.at(polygon[1]), 0.0);
   for (int k = 2; k < polygon.count; ++k) {
     const Vec2 b = polygon[k] - p, sum = a + b;
-    const double twice = cross(a, b);
+    const double atB = std::max(depth.at(polygon[k]), 0.0), depths = atCorner + atA + atB;
+    const double twice = std::max(cross(a, b), 0.0);
     m.area += twice;
     m.first += twice * sum;
     m.xx += twice * (a.x() * a.x() + b.x() * b.x() + sum.x() * sum.x());
     m.yy += twice * (a.y() * a.y() + b.y() * b.y() + sum.y() * sum.y());
     m.xy += twice * (a.x() * a.y() + b.x() * b.y() + sum.x() * sum.y());
+    m.volume += twice * depths;
+    m.firstOfVolume += twice * ((depths + atA) * a + (depths + atB) * b);
+    m.square += twice * (depths * depths + atCorner * atCorner + atA * atA + atB * atB);
     a = b;
+    atA = atB;
   }
   m.area /= 2;
   m.first /= 6;
   m.xx /= 24;
   m.yy /= 24;
   m.xy /= 24;
-
-  // The depth, linear about p.
-  const double atCorner = depth.at(p);
-  const Vec2& g = depth.slope;
-  m.volume = atCorner * m.area + g.dot(m.first);
-  m.firstOfVolume = atCorner * m.first + Vec2(m.xx * g.x() + m.xy * g.y(), m.xy * g.x() + m.yy * g.y());
-  m.square = atCorner * m.volume + g.dot(m.firstOfVolume);
+  m.volume /= 6;
+  m.firstOfVolume /= 24;
+  m.square /= 24;
   if (power.exponent > 0) m.powers = integratePowers(polygon, depth, power);
 
   // From p to the origin.
