@@ -1,6 +1,7 @@
 // Keys of a scene do what their texts say.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <set>
 
 #include "granular/run/packing_report.h"
@@ -29,6 +30,18 @@ class SceneKeys : public RunTest {
     return sizes;
   }
 };
+
+TEST_F(SceneKeys, TheSceneOfTheUserGuideIsValid) {
+  std::ifstream guide(std::string(GRANULAR_SOURCE_DIR) + "/docs/guide.md");
+  std::string line, text;
+  for (bool inside = false; std::getline(guide, line);) {
+    inside = (inside || line == "    [vessel]") && (line.empty() || line.starts_with("    ")) &&
+             line.find("build/release") == std::string::npos;
+    if (inside) text += line + "\n";
+  }
+  const PackingRun run(write(text));
+  EXPECT_EQ(run.inserter().count(), 1000);
+}
 
 TEST_F(SceneKeys, VariantsOfMeshesAreSoManyShapes) {
   const std::string extent = "extent = [\"3 mm\", \"5 mm\"]\n";
