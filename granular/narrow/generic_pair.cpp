@@ -205,9 +205,10 @@ bool meetsWhereMinimaAreMany(double depth, double lower, double size) {
 double boundAgain(Difference& c, const LocalMinimum& found, double tolerance, double reached) {
   reached = std::max(reached, boundOverlapFinely(c, found.normal, found.depth, tolerance).lower);
   const Vec3 u = perpendicular(found.normal), v = found.normal.cross(u);
-  for (int k = 0; k < 12 && !(found.depth - reached <= tolerance); ++k) {
+  for (int k = 0; k < 48 && !(found.depth - reached <= tolerance); ++k) {
     const double azimuth = 2.4 * k;  // the golden angle: no two alike
-    const Vec3 start = (std::cos(azimuth) * u + std::sin(azimuth) * v + 0.25 * (k - 5) * found.normal).normalized();
+    const Vec3 start =
+        (std::cos(azimuth) * u + std::sin(azimuth) * v + 0.25 * (k % 12 - 5) * found.normal).normalized();
     reached = std::max(reached, boundOverlap(c, start, found.depth, tolerance).lower);
   }
   return reached;
