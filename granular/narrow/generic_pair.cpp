@@ -89,15 +89,17 @@ bool takeProposal(Difference& c, const PenetrationAnswer& proposal, LocalMinimum
 }
 
 /// Reports a minimum found by support functions, with the pieces that make it, for the next look. They give it to
-/// round-off, which a search stops short of where surfaces are long or nearly parallel.
+/// round-off, which a search stops short of where surfaces are long or nearly parallel, and may prove a gap where it
+/// saw an overlap. True if the two overlap.
 bool reportNamed(const PairView& pair, Difference& c, const LocalMinimum& found, WarmCache& cache, NarrowCounts& counts,
                  Touch& touch) {
   const PieceName a = namePiece(pair.a, found.normal, namedNearness);
   const PieceName b = namePiece(pair.b, -c.frame().unrotate(found.normal), namedNearness);
   const PieceMinimum exact = findNamedMinimum(c, a, b, found.normal);
-  const bool better = exact.holds && exact.minimum.depth > 0 && exact.minimum.depth <= found.depth;
+  const bool better = exact.holds && exact.minimum.depth <= found.depth;
   cache.featureA = encode(better ? exact.a : a);
   cache.featureB = encode(better ? exact.b : b);
+  if (better && !(exact.minimum.depth > 0)) return reportApart(exact.minimum.normal, -exact.minimum.depth, cache);
   return reportTouch(pair, WarmCache::smooth, better ? exact.minimum : found, cache, counts, touch);
 }
 
@@ -135,7 +137,8 @@ bool touchByCores(const PairView& pair, Difference& c, WarmCache& cache, NarrowC
   }
   const Vec3 middle = 0.5 * (nearest.onA + layerA * n + nearest.onB - layerB * n);
   const LocalMinimum found{n, overlap, middle + 0.5 * overlap * n, middle - 0.5 * overlap * n};
-  return reportNamed(pair, c, found, cache, counts, touch);
+  touches = reportNamed(pair, c, found, cache, counts, touch);
+  return true;
 }
 
 /// True if what a search found is the minimum for all purposes of a warm answer: its points' offset, the slope of the

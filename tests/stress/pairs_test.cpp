@@ -90,6 +90,8 @@ INSTANTIATE_TEST_SUITE_P(
         OnceWrong{6, 672052, "the same along an edge whose other face is too steep to count"},
         OnceWrong{3, 431803, "a sliver of an overlap of 1e-10 of the size"}, OnceWrong{8, 941998, "the same"},
         OnceWrong{5, 889038, "a ball whose centre is just outside a cone"},
+        OnceWrong{12, 925862, "a thin ellipsoid beside the edge of a tetrahedron a hundredfold larger"},
+        OnceWrong{8, 770584, "the same beside another"},
         OnceWrong{12, 579034, "a needle's rim at the corner of a cube a hundredfold larger, uncertified"}),
     [](const auto& instance) {
       return "Seed" + std::to_string(instance.param.seed) + "Pair" + std::to_string(instance.param.number);
