@@ -194,7 +194,9 @@ void measureStrip(const SurfaceSide& a, const SurfaceSide& b, double width, cons
     } else if (!clipSegment(wide.segment(), width, piece)) {
       continue;
     }
-    out.moments += integrate(piece, width, depths[k].at(piece.from), depths[k].at(piece.to), power);
+    // Nothing is deeper than the overlap; beyond an outline a steep face's plane would be.
+    const auto depthAt = [&](const Vec2& x) { return std::min(depths[k].at(x), width); };
+    out.moments += integrate(piece, width, depthAt(piece.from), depthAt(piece.to), power);
   }
   if (out.moments.volume > 0) out.height = findMiddle(cells, out.moments.centroidOfVolume());
 }
