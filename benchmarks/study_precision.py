@@ -4,9 +4,10 @@
 usage: study_precision.py --build build/release --out DIR [--part rotations|impacts|beds|all] [--count N] [--seeds S]
 
 DIR/rotations.csv and DIR/impacts.csv come from the benchmarks of the same name; DIR/beds/<name>/result.json from the
-demo packing, one run per step (fraction of the contact time), stiffness, rule, rotation scheme and seed. What is there is not done again, so
-that a study that was stopped goes on where it was; a bed that was interrupted is resumed from its checkpoint. The time
-of a run is the processor's (DIR/beds/<name>/processor.json); of a resumed one it is that of the last part, and says so. plots/plot_precision.py makes tables and plots.
+demo packing, one run per step (fraction of the contact time), stiffness, rule, rotation scheme and seed. What is there
+is not done again, so that a study that was stopped goes on where it was; a bed that was interrupted is resumed from its
+checkpoint. The time of a run is the processor's (DIR/beds/<name>/processor.json); of a resumed one it is that of the
+last part, and says so. plots/plot_precision.py makes tables and plots.
 Exit codes: 0 all done; 1 a run failed.
 """
 

@@ -32,7 +32,8 @@ void placePressure(const RuleOptions& options, const ContactPlane& plane, const 
                    double height, double size, ContactPatch& out) {
   const Pressure pressure = press(options, moments, overlap, size);
   placePoint(plane.lift(pressure.centre, height), plane.u, overlap, out);
-  out.depth = pressure.depth;
+  // The plane of a face merged from nearly coplanar ones lies over its corners by a little, which give the overlap.
+  out.depth = std::min(pressure.depth, overlap);
   out.squaredDepth = pressure.squaredDepth;
   out.share = pressure.share;
   if (!pressure.isPatch) return;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 
+#include "granular/core/wide.h"
 #include "granular/law/linear.h"
 #include "granular/narrow/ball_touch.h"
 #include "granular/point/witness.h"
@@ -25,22 +26,14 @@ struct Lanes {
   Lane x, y, z;
 };
 
-/// A vector of one contact, in registers.
-struct V {
-  double x, y, z;
-  V operator+(const V& o) const { return {x + o.x, y + o.y, z + o.z}; }
-  V operator-(const V& o) const { return {x - o.x, y - o.y, z - o.z}; }
-  V cross(const V& o) const { return {y * o.z - z * o.y, z * o.x - x * o.z, x * o.y - y * o.x}; }
-  double dot(const V& o) const { return x * o.x + y * o.y + z * o.z; }
-};
-V operator*(double s, const V& v) { return {s * v.x, s * v.y, s * v.z}; }
+using V = Triple<double>;  // a vector of one contact, in registers
 V load(const Lanes& lanes, std::size_t k) { return {lanes.x[k], lanes.y[k], lanes.z[k]}; }
 void store(const V& v, std::size_t k, Lanes& lanes) {
   lanes.x[k] = v.x;
   lanes.y[k] = v.y;
   lanes.z[k] = v.z;
 }
-void put(const Vec3& v, std::size_t k, Lanes& lanes) { store({v.x(), v.y(), v.z()}, k, lanes); }
+void put(const Vec3& v, std::size_t k, Lanes& lanes) { store(toTriple(v), k, lanes); }
 Vec3 take(const Lanes& lanes, std::size_t k) { return {lanes.x[k], lanes.y[k], lanes.z[k]}; }
 
 /// One body of each contact.
@@ -137,7 +130,7 @@ template <bool alongVelocity>
   store(n, k, s.normal);
   store(force, k, s.force);
   store(armA.cross(force), k, s.torqueA);
-  store(-1 * armB.cross(force), k, s.torqueB);
+  store(-1.0 * armB.cross(force), k, s.torqueB);
   s.overlap[k] = inside;
   s.push[k] = push;
   s.sliding[k] = rubs && slides ? 1 : 0;

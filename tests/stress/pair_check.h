@@ -147,9 +147,7 @@ inline std::string judgePatch(const PairSample& pair, const Frame& frameA, const
     return quote("the second moments are", patch.uu + patch.vv);
   if (!(patch.uv * patch.uv <= patch.uu * patch.vv + 1e-12 * std::pow(patch.uu + patch.vv, 2)))
     return "the second moments are those of no area";
-  // Of faces that are level within a tie, any place counts as deepest.
-  const double tie = tolerance::tie * pair.size();
-  if (!(patch.depth >= 0 && patch.depth <= touch.overlap * (1 + 1e-9) + tie + roundOff(pair)))
+  if (!(patch.depth >= 0 && patch.depth <= touch.overlap * (1 + 1e-9) + roundOff(pair)))
     return quote("depth over overlap is", patch.depth / touch.overlap);
   if (!(patch.squaredDepth >= 0 && std::isfinite(patch.squaredDepth)))
     return quote("the potential is", patch.squaredDepth);
