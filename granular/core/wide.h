@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #ifdef __AVX__
 #include <immintrin.h>
@@ -50,10 +51,45 @@ using Mask = decltype(Real{} < Real{});
 inline double choose(bool first, double a, double b) { return first ? a : b; }
 inline Wide choose(const Mask<Wide>& first, const Wide& a, const Wide& b) { return first ? a : b; }
 
+template <class Real>
+Real smaller(const Real& a, const Real& b) {
+  return choose(a < b, a, b);
+}
+template <class Real>
+Real larger(const Real& a, const Real& b) {
+  return choose(a > b, a, b);
+}
+template <class Real>
+Real bounded(const Real& x, const Real& low, const Real& high) {
+  return smaller(larger(x, low), high);
+}
+template <class Real>
+Real magnitude(const Real& x) {
+  return choose(x < 0, Real(-x), x);
+}
+/// 1, or -1 below 0.
+template <class Real>
+Real signOf(const Real& x) {
+  return choose(x < 0, Real(Real{} - 1), Real(Real{} + 1));
+}
+
 inline bool both(bool a, bool b) { return a && b; }
 inline bool either(bool a, bool b) { return a || b; }
 inline Mask<Wide> both(const Mask<Wide>& a, const Mask<Wide>& b) { return a & b; }
 inline Mask<Wide> either(const Mask<Wide>& a, const Mask<Wide>& b) { return a | b; }
+
+inline bool isTrueForAny(bool mask) { return mask; }
+inline bool isTrueForAll(bool mask) { return mask; }
+inline bool isTrueForAny(const Mask<Wide>& mask) {
+  std::int64_t any = 0;
+  for (std::size_t k = 0; k < wideSize; ++k) any |= mask[k];
+  return any != 0;
+}
+inline bool isTrueForAll(const Mask<Wide>& mask) {
+  std::int64_t all = -1;
+  for (std::size_t k = 0; k < wideSize; ++k) all &= mask[k];
+  return all != 0;
+}
 
 /// A vector in space of such numbers.
 template <class Real>

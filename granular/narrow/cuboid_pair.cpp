@@ -23,8 +23,7 @@ struct Boxes {
       : a(static_cast<const Cuboid&>(view.a).halfLengths()),
         b(static_cast<const Cuboid&>(view.b).halfLengths()),
         frame(relativeFrame(view.frameA, view.frameB)),
-        tie(std::max(tolerance::tie * std::min(view.a.size(), view.b.size()),
-                     8 * std::numeric_limits<double>::epsilon() * (a.maxCoeff() + b.maxCoeff()))),
+        tie(cuboidTie(view.a, view.b)),
         inner(view.a.innerRadius() + view.b.innerRadius()) {}
 };
 
@@ -240,24 +239,34 @@ std::int32_t edgeThrough(std::int32_t corner, int i) {
   return edges[corner & ~(1 << i)][i];
 }
 
-/// What touches along the normal of the axis found, as the tables of cuboids name it.
-TouchingFeature nameFeature(const Boxes& p, WarmCache::Kind kind, int i, int j, const Vec3& normal) {
-  const Vec3 inB = -p.frame.unrotate(normal);
-  if (kind == WarmCache::faceOfA) return {TouchingFeature::faceOfA, 2 * i + (normal[i] > 0), cornerAlong(inB)};
-  if (kind == WarmCache::faceOfB) return {TouchingFeature::faceOfB, cornerAlong(normal), 2 * j + (inB[j] > 0)};
-  return {TouchingFeature::edges, edgeThrough(cornerAlong(normal), i), edgeThrough(cornerAlong(inB), j)};
-}
-
 bool report(const PairView& view, const Boxes& p, const Axis& axis, const LocalMinimum& found, WarmCache& cache,
             NarrowCounts& counts, Touch& touch) {
   cache.featureA = axis.i;
   cache.featureB = axis.j;
   reportTouch(view, axis.kind, found, cache, counts, touch);
-  touch.feature = nameFeature(p, axis.kind, axis.i, axis.j, found.normal);
+  touch.feature = nameCuboidFeature(cache, found.normal, -p.frame.unrotate(found.normal));
   return true;
 }
 
 }  // namespace
+
+double cuboidTie(const Shape& a, const Shape& b) {
+  const auto longest = [](const Shape& shape) { return static_cast<const Cuboid&>(shape).halfLengths().maxCoeff(); };
+  return std::max(tolerance::tie * std::min(a.size(), b.size()),
+                  8 * std::numeric_limits<double>::epsilon() * (longest(a) + longest(b)));
+}
+
+TouchingFeature nameCuboidFeature(const WarmCache& cache, const Vec3& outOfA, const Vec3& outOfB) {
+  const int i = cache.featureA, j = cache.featureB;
+  switch (cache.kind) {
+    case WarmCache::faceOfA:
+      return {TouchingFeature::faceOfA, 2 * i + (outOfA[i] > 0), cornerAlong(outOfB)};
+    case WarmCache::faceOfB:
+      return {TouchingFeature::faceOfB, cornerAlong(outOfA), 2 * j + (outOfB[j] > 0)};
+    default:
+      return {TouchingFeature::edges, edgeThrough(cornerAlong(outOfA), i), edgeThrough(cornerAlong(outOfB), j)};
+  }
+}
 
 bool touchCuboids(const PairView& view, WarmCache& cache, NarrowCounts& counts, Touch& touch) {
   const Boxes p(view);

@@ -52,6 +52,12 @@ inline bool reportTouch(const PairView& pair, WarmCache::Kind kind, const LocalM
   return true;
 }
 
+/// What touches along the last axis of two cuboids, as the tables of cuboids name it, for a normal in either's axes out
+/// of A and out of B.
+TouchingFeature nameCuboidFeature(const WarmCache& cache, const Vec3& outOfA, const Vec3& outOfB);
+/// Depths of two cuboids closer than this are a tie, m.
+double cuboidTie(const Shape& a, const Shape& b);
+
 /// Writes a proven separation (unit direction in A's body axes, gap >= 0 in m) into the cache.
 inline bool reportApart(const Vec3& direction, double gap, WarmCache& cache) {
   cache.kind = WarmCache::apart;

@@ -19,6 +19,7 @@ struct Contact {
   Touch touch;
   ContactPatch patch;
   ContactForce force;
+  bool placed = false;    ///< the patch is made, together with the touch
   bool held = false;      ///< of two bodies at rest: kept from the step in which they came to rest
   Vec3 torqueA, torqueB;  ///< about either centre of mass, N m
 };

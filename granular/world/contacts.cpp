@@ -5,6 +5,7 @@
 #include "granular/narrow/ellipsoid_batch.h"
 #include "granular/shape/polyhedron.h"
 #include "granular/world/clump_contacts.h"
+#include "granular/world/looks.h"
 #include "granular/world/stages.h"
 
 namespace granular {
@@ -174,26 +175,14 @@ void startChunk(World::Chunk& chunk) {
   chunk.uncertifiedPair = -1;
 }
 
-namespace {
-
-/// A look at one pair of bodies that has begun.
-struct Look {
-  std::int32_t index;  ///< of the pair
-  double travel;       ///< of both bodies so far
-  bool touchedBefore;
-  Vec3 shift;
-  Frame frameB;  ///< next to A
-};
-
-/// Begins a look: false where the pair needs none.
 bool beginLook(World& world, std::int32_t index, Look& look) {
   const Bodies& bodies = world.bodies;
   const Pair& pair = world.pairs.pairs[at(index)];
   const std::size_t a = at(pair.a), b = at(pair.b);
   std::vector<Contact>& held = world.pairs.memory.held;
   if (at(pair.slot) < held.size()) held[at(pair.slot)].a = -1;
+  if (isQuiet(world, pair)) return false;
   look.travel = bodies.travel[a] + bodies.travel[b];
-  if (world.options.skips.separation && look.travel < pair.quietUntil) return false;
   look.index = index;
   look.shift = world.options.periods.shift(pair.image);
   look.frameB = bodies.frame[b];
@@ -204,19 +193,32 @@ bool beginLook(World& world, std::int32_t index, Look& look) {
   return true;
 }
 
-/// Ends it with what was found: appends the contacts, or waits for as long as the gap needs to close.
-void endLook(World& world, const Look& look, bool touching, const Touch& touch, World::Chunk& chunk) {
+bool takeLook(World& world, const Look& look, World::Chunk& chunk, Touch& touch) {
   const Bodies& bodies = world.bodies;
-  Pair& pair = world.pairs.pairs[at(look.index)];
+  const Pair& pair = world.pairs.pairs[at(look.index)];
   const std::size_t a = at(pair.a), b = at(pair.b);
-  if (!touching) {
-    pair.quietUntil = look.travel + world.pairs.memory.cache[at(pair.slot)].budget;
-    if (!look.touchedBefore) return;
-    world.pairs.memory.history[at(pair.slot)] = ContactHistory{};
-    if (at(pair.slot) < world.pairs.memory.manifolds.size())
-      world.pairs.memory.manifolds[at(pair.slot)] = ManifoldMemory{};
-    return;
-  }
+  const std::uint64_t uncertified = chunk.counts.uncertified;
+  const bool touching =
+      findTouch(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], look.frameB, !world.options.skips.feature,
+                world.pairs.memory.cache[at(pair.slot)], chunk.counts, touch);
+  if (chunk.counts.uncertified > uncertified && chunk.uncertifiedPair < 0) chunk.uncertifiedPair = look.index;
+  return touching;
+}
+
+void waitForGap(World& world, const Look& look) {
+  Pair& pair = world.pairs.pairs[at(look.index)];
+  PairMemory& memory = world.pairs.memory;
+  pair.quietUntil = look.travel + memory.cache[at(pair.slot)].budget;
+  if (!look.touchedBefore) return;
+  memory.history[at(pair.slot)] = ContactHistory{};
+  if (at(pair.slot) < memory.manifolds.size()) memory.manifolds[at(pair.slot)] = ManifoldMemory{};
+}
+
+void endLook(World& world, const Look& look, bool touching, const Touch& touch, World::Chunk& chunk) {
+  if (!touching) return waitForGap(world, look);
+  const Bodies& bodies = world.bodies;
+  const Pair& pair = world.pairs.pairs[at(look.index)];
+  const std::size_t a = at(pair.a), b = at(pair.b);
   // One contact, or several of a manifold.
   std::array<ManifoldContact, 4> several;
   int count = 1;
@@ -240,6 +242,8 @@ void endLook(World& world, const Look& look, bool touching, const Touch& touch, 
   chunk.noteDepth(touch.overlap, std::min(bodies.shape[a]->size(), bodies.shape[b]->size()));
 }
 
+namespace {
+
 /// Looks at one pair of bodies; appends its contact if it touches.
 void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   const Bodies& bodies = world.bodies;
@@ -252,11 +256,7 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   if (hasClump) return lookAtClumpPair(world, index, look.travel, chunk);
 
   Touch touch;
-  const std::uint64_t uncertified = chunk.counts.uncertified;
-  const bool touching =
-      findTouch(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], look.frameB, !world.options.skips.feature,
-                world.pairs.memory.cache[at(pair.slot)], chunk.counts, touch);
-  if (chunk.counts.uncertified > uncertified && chunk.uncertifiedPair < 0) chunk.uncertifiedPair = index;
+  const bool touching = takeLook(world, look, chunk, touch);
   endLook(world, look, touching, touch, chunk);
 }
 
@@ -325,8 +325,8 @@ void fetchWhere(const World& world, const Pair& pair) {
 }
 void fetchWhat(const World& world, const Pair& pair) {
   const Bodies& bodies = world.bodies;
+  if (isQuiet(world, pair)) return;
   const std::size_t a = at(pair.a), b = at(pair.b);
-  if (world.options.skips.separation && bodies.travel[a] + bodies.travel[b] < pair.quietUntil) return;
   __builtin_prefetch(&world.pairs.memory.cache[at(pair.slot)]);
   for (const std::size_t i : {a, b}) {
     __builtin_prefetch(&bodies.frame[i]);
@@ -399,7 +399,10 @@ void layOutContacts(World& world) {
     const bool atWalls = c >= world.wallChunkBegin;
     const Range range = chunkRange(c, world.activePairs.size());
     world.chunks[c].ofBalls = !atWalls && canBatch(world, range);
-    world.chunks[c].ofEllipsoids = !atWalls && !world.options.noBatches && areAll(ShapeKind::ellipsoid, world, range);
+    const bool inBatches = !atWalls && !world.options.noBatches;
+    world.chunks[c].ofEllipsoids = inBatches && areAll(ShapeKind::ellipsoid, world, range);
+    world.chunks[c].ofCuboids = inBatches && world.options.rule.rule != PointRule::manifold &&
+                                world.options.skips.feature && areAll(ShapeKind::cuboid, world, range);
   }
   world.contactsOfPair.resize(world.activePairs.size() + world.activeWallPairs.size());
   world.layoutStale = false;
@@ -413,6 +416,7 @@ void findContacts(std::size_t c, World& world) {
   const Range range =
       atWalls ? chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()) : chunkRange(c, pairCount);
   const std::size_t rangeOffset = atWalls ? pairCount : 0;
+  if (!atWalls && chunk.ofCuboids) return findCuboidContacts(c, world);
   if (!atWalls && chunk.ofEllipsoids) {
     EllipsoidLooks looks(world, chunk);
     for (std::size_t p = range.first; p < range.last; ++p) {
@@ -442,6 +446,7 @@ void placeContactPoints(std::size_t c, World& world) {
   RuleOptions rule = world.options.rule;
   if (rule.rule == PointRule::manifold) rule.rule = PointRule::witness;
   for (Contact& contact : world.chunks[c].contacts) {
+    if (contact.placed) continue;
     const std::size_t a = at(contact.a);
     const std::size_t b = at(contact.b);
     Frame frameB = bodies.frame[b];

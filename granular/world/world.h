@@ -36,7 +36,7 @@ struct WorldOptions {
   Periods periods;
   double skin = 0.1;        ///< of the search, in equal-volume radii
   bool bruteForce = false;  ///< the oracle of the broad phase
-  bool noBatches = false;   ///< every pair by itself: the oracle of spheres and ellipsoids, worked on in batches
+  bool noBatches = false;   ///< every pair by itself: the oracle of spheres, ellipsoids and cuboids, worked on in batches
   Skips skips;
   SleepOptions sleep;
   double expectedOverlap = 0.02;  ///< largest, over the size: for the time step where stiffness grows with overlap
@@ -71,6 +71,7 @@ struct World {
     bool ofBalls = false;            ///< only spheres meet here, and their contacts are made in batches:
     std::vector<BallContact> balls;  ///< then these stand for contacts
     bool ofEllipsoids = false;       ///< only ellipsoids meet here: they are looked at in batches
+    bool ofCuboids = false;          ///< only cuboids meet here: as well
     std::vector<ContactPull> pulls;  ///< of contacts, or of balls
     NarrowCounts counts;
     double deepest = 0;                 ///< largest overlap over size in this chunk

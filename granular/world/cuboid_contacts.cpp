@@ -1,0 +1,316 @@
+// Contacts of cuboids in batches. In a bed nearly all pairs touch as they did in the last step: along the same face, or
+// across the same edges. They are looked at side by side (narrow/cuboid_lanes.h), and under the rules `patch` and
+// `pressure_centroid` placed while their geometry is at hand (point/cuboid_overlap.h). Whatever is not proven there, a
+// tie, another feature, a sliver, a birth, goes the general way. A pair's answer does not depend on who shares its
+// batch.
+#include <algorithm>
+#include <array>
+
+#include "granular/narrow/kernels.h"
+#include "granular/point/cuboid_overlap.h"
+#include "granular/point/witness.h"
+#include "granular/world/looks.h"
+#include "granular/world/stages.h"
+
+namespace granular {
+namespace {
+
+std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+
+/// A pair on its way.
+struct Waiting {
+  std::size_t contact;  ///< in the chunk, to be filled
+  std::int32_t index;   ///< of the pair
+  bool seatIsA;
+};
+
+/// Pairs of one kind of look, a register full.
+template <class Look>
+struct Group {
+  static constexpr std::size_t fields = sizeof(CuboidPair<Wide>) / sizeof(Wide);
+  std::size_t count = 0;
+  std::array<Waiting, wideSize> waiting;
+  alignas(64) double lanes[fields][wideSize];
+  Look look;
+  MomentLanes sums;
+
+  void add(const Waiting& one, const std::array<Vec3, 9>& vectors, double tie, double inner) {
+    std::size_t field = 0;
+    for (const Vec3& v : vectors) {
+      for (int axis = 0; axis < 3; ++axis) lanes[field++][count] = v[axis];
+    }
+    lanes[field++][count] = tie;
+    lanes[field][count] = inner;
+    waiting[count++] = one;
+  }
+  /// The pairs side by side; lanes beyond the last repeat it.
+  CuboidPair<Wide> load() {
+    for (auto& lane : lanes) std::fill(lane + count, lane + wideSize, lane[count - 1]);
+    CuboidPair<Wide> pair;
+    static_assert(sizeof pair == sizeof lanes);
+    std::memcpy(&pair, lanes, sizeof pair);
+    return pair;
+  }
+};
+
+/// A vector in space per lane, taken out one by one.
+struct Spread {
+  double x[wideSize], y[wideSize], z[wideSize];
+
+  explicit Spread(const Triple<Wide>& v) {
+    storeWide(v.x, x);
+    storeWide(v.y, y);
+    storeWide(v.z, z);
+  }
+  Vec3 operator[](std::size_t k) const { return {x[k], y[k], z[k]}; }
+};
+
+class CuboidLooks {
+ public:
+  CuboidLooks(World& chosen, World::Chunk& into)
+      : world(chosen),
+        chunk(into),
+        places(chosen.options.rule.rule == PointRule::patch ||
+               chosen.options.rule.rule == PointRule::pressureCentroid) {}
+
+  /// Looks at a pair; its contact, if there is one, is the chunk's next.
+  void take(std::int32_t index) {
+    const Pair& pair = world.pairs.pairs[at(index)];
+    std::vector<Contact>& held = world.pairs.memory.held;
+    if (at(pair.slot) < held.size()) held[at(pair.slot)].a = -1;
+    if (isQuiet(world, pair)) return;
+    const WarmCache& cache = world.pairs.memory.cache[at(pair.slot)];
+    if (cache.touched == 0) {
+      Look look;
+      if (!beginLook(world, index, look)) return;
+      Touch touch;
+      const bool touching = takeLook(world, look, chunk, touch);
+      return endLook(world, look, touching, touch, chunk);
+    }
+    Contact& contact = chunk.contacts.emplace_back();
+    contact.pair = index;
+    contact.a = pair.a;
+    contact.b = pair.b;
+    contact.shift = world.options.periods.shift(pair.image);
+    cache.kind == WarmCache::edgePair ? addEdges(contact, cache) : addFace(contact, cache);
+  }
+
+  /// Ends the looks begun. After that contacts whose `a` is -1 are none.
+  void finish() {
+    endGroups(faces, faceGroups);
+    endGroups(edges, edgeGroups);
+  }
+
+ private:
+  static constexpr std::size_t most = 2;  // their lanes and cells stay in the first cache
+
+  /// Both bodies of a contact.
+  struct Boxes {
+    const Frame &frameA, &frameB;
+    const Cuboid &a, &b;
+    Vec3 between;
+  };
+  Boxes view(const Contact& contact) const {
+    const Bodies& bodies = world.bodies;
+    const std::size_t a = at(contact.a), b = at(contact.b);
+    return {bodies.frame[a], bodies.frame[b], static_cast<const Cuboid&>(*bodies.shape[a]),
+            static_cast<const Cuboid&>(*bodies.shape[b]), bodies.frame[b].x + contact.shift - bodies.frame[a].x};
+  }
+
+  void addFace(const Contact& contact, const WarmCache& cache) {
+    const Boxes boxes = view(contact);
+    const bool seatIsA = cache.kind == WarmCache::faceOfA;
+    const Mat3 &seat = (seatIsA ? boxes.frameA : boxes.frameB).R, &guest = (seatIsA ? boxes.frameB : boxes.frameA).R;
+    const Vec3& seatHalf = (seatIsA ? boxes.a : boxes.b).halfLengths();
+    const Vec3& guestHalf = (seatIsA ? boxes.b : boxes.a).halfLengths();
+    const int i = seatIsA ? cache.featureA : cache.featureB, k = i == 2 ? 0 : i + 1, l = 3 - i - k;
+    Group<FaceLook<Wide>>& group = faces[faceGroups];
+    group.add({chunk.contacts.size() - 1, contact.pair, seatIsA},
+              {seat.col(k), seat.col(l), seat.col(i), guest.col(0), guest.col(1), guest.col(2),
+               Vec3(seatHalf[k], seatHalf[l], seatHalf[i]), guestHalf, seatIsA ? boxes.between : Vec3(-boxes.between)},
+              cuboidTie(boxes.a, boxes.b), boxes.a.innerRadius() + boxes.b.innerRadius());
+    if (group.count < wideSize) return;
+    begin(group, lookAtFace(group.load()));
+    if (++faceGroups == most) endGroups(faces, faceGroups);
+  }
+
+  void addEdges(const Contact& contact, const WarmCache& cache) {
+    const Boxes boxes = view(contact);
+    const Mat3 &seat = boxes.frameA.R, &guest = boxes.frameB.R;
+    const Vec3 &seatHalf = boxes.a.halfLengths(), &guestHalf = boxes.b.halfLengths();
+    const int i = cache.featureA, k = i == 2 ? 0 : i + 1, l = 3 - i - k;
+    const int j = cache.featureB, m = j == 2 ? 0 : j + 1, o = 3 - j - m;
+    Group<EdgeLook<Wide>>& group = edges[edgeGroups];
+    group.add(
+        {chunk.contacts.size() - 1, contact.pair, true},
+        {seat.col(i), seat.col(k), seat.col(l), guest.col(j), guest.col(m), guest.col(o),
+         Vec3(seatHalf[i], seatHalf[k], seatHalf[l]), Vec3(guestHalf[j], guestHalf[m], guestHalf[o]), boxes.between},
+        cuboidTie(boxes.a, boxes.b), boxes.a.innerRadius() + boxes.b.innerRadius());
+    if (group.count < wideSize) return;
+    begin(group, lookAtEdges(group.load()));
+    if (++edgeGroups == most) endGroups(edges, edgeGroups);
+  }
+
+  template <class AnyLook>
+  void begin(Group<AnyLook>& group, const AnyLook& look) {
+    group.look = look;
+    if (!places) return;
+    if (cells.isFull(mostBoxCells)) cells.integrate();
+    // Lanes beyond the last pair are left out, so that no cell is integrated twice.
+    Mask<Wide> chosen = both(both(look.holds, look.proven), look.depth > 0);
+    for (std::size_t k = group.count; k < wideSize; ++k) chosen[k] = 0;
+    beginOverlap(look, chosen, cells, group.sums);
+  }
+
+  /// Ends the groups, the last of which may be part full, and empties them.
+  void endGroups(std::array<Group<FaceLook<Wide>>, most>& groups, std::size_t& full) {
+    if (full < most && groups[full].count > 0) begin(groups[full], lookAtFace(groups[full].load())), ++full;
+    endAll(groups, full);
+  }
+  void endGroups(std::array<Group<EdgeLook<Wide>>, most>& groups, std::size_t& full) {
+    if (full < most && groups[full].count > 0) begin(groups[full], lookAtEdges(groups[full].load())), ++full;
+    endAll(groups, full);
+  }
+  template <class AnyLook>
+  void endAll(std::array<Group<AnyLook>, most>& groups, std::size_t& full) {
+    cells.integrate();
+    for (std::size_t g = 0; g < full; ++g) end(groups[g]);
+    full = 0;
+  }
+
+  template <class AnyLook>
+  void end(Group<AnyLook>& group) {
+    const AnyLook& look = group.look;
+    const Spread x(look.x), z(look.z), middle(look.middle);
+    for (std::size_t k = 0; k < group.count; ++k) {
+      const Waiting& one = group.waiting[k];
+      const bool apart = !(look.depth[k] > 0);
+      if (look.holds[k] == 0 || (!apart && look.proven[k] == 0)) {
+        takeAlone(one);
+      } else {
+        ++chunk.counts.warm;
+        const Vec3 normal = one.seatIsA ? z[k] : Vec3(-z[k]);
+        apart ? part(one, normal, -look.depth[k]) : touch(one, normal, look.depth[k], middle[k]);
+      }
+    }
+    if (places) place(group, x);
+    group.count = 0;
+  }
+
+  /// The general way, from a look begun anew.
+  void takeAlone(const Waiting& one) {
+    Look look;
+    beginLook(world, one.index, look);
+    Contact& contact = chunk.contacts[one.contact];
+    if (takeLook(world, look, chunk, contact.touch)) return;
+    waitForGap(world, look);
+    contact.a = -1;
+  }
+
+  void part(const Waiting& one, const Vec3& normal, double gap) {
+    Look look;
+    beginLook(world, one.index, look);
+    const Pair& pair = world.pairs.pairs[at(one.index)];
+    reportApart(world.bodies.frame[at(pair.a)].unrotate(normal), gap, world.pairs.memory.cache[at(pair.slot)]);
+    waitForGap(world, look);
+    chunk.contacts[one.contact].a = -1;
+  }
+
+  void touch(const Waiting& one, const Vec3& normal, double depth, const Vec3& middle) {
+    const Bodies& bodies = world.bodies;
+    Contact& contact = chunk.contacts[one.contact];
+    const Pair& pair = world.pairs.pairs[at(one.index)];
+    WarmCache& cache = world.pairs.memory.cache[at(pair.slot)];
+    const Vec3 outOfA = bodies.frame[at(contact.a)].unrotate(normal);
+    if (cache.direction.dot(outOfA) < flipCosine) ++chunk.counts.normalFlips;
+    cache.direction = outOfA;
+    cache.budget = 0;
+    contact.touch.normal = normal;
+    contact.touch.overlap = depth;
+    const Vec3 place = seatPlace(one, contact) + middle;
+    contact.touch.onA = place + (0.5 * depth) * normal;
+    contact.touch.onB = place - (0.5 * depth) * normal;
+    if (!places) nameFeature(contact, cache);
+  }
+
+  /// For those who place the contact one by one.
+  void nameFeature(Contact& contact, const WarmCache& cache) const {
+    const Vec3 outOfB = -world.bodies.frame[at(contact.b)].unrotate(contact.touch.normal);
+    contact.touch.feature = nameCuboidFeature(cache, cache.direction, outOfB);
+  }
+
+  Vec3 seatPlace(const Waiting& one, const Contact& contact) const {
+    return one.seatIsA ? world.bodies.x[at(contact.a)] : Vec3(world.bodies.x[at(contact.b)] + contact.shift);
+  }
+
+  template <class AnyLook>
+  void place(const Group<AnyLook>& group, const Spread& x) {
+    const AnyLook& look = group.look;
+    const PatchLanes patch = endOverlap(look, group.sums);
+    const Spread point(patch.point), centre(patch.centre);
+    const bool isPatch = world.options.rule.rule == PointRule::patch;
+    for (std::size_t k = 0; k < group.count; ++k) {
+      const Waiting& one = group.waiting[k];
+      if (look.holds[k] == 0 || look.proven[k] == 0 || !(look.depth[k] > 0)) continue;
+      Contact& contact = chunk.contacts[one.contact];
+      if (patch.good[k] == 0) {
+        nameFeature(contact, world.pairs.memory.cache[at(world.pairs.pairs[at(one.index)].slot)]);
+        continue;
+      }
+      const Vec3 seat = seatPlace(one, contact);
+      placePoint(seat + point[k], x[k], look.depth[k], contact.patch);
+      contact.placed = true;
+      if (!isPatch) continue;
+      contact.patch.centre = seat + centre[k];
+      contact.patch.area = patch.area[k];
+      contact.patch.uu = patch.xx[k];
+      contact.patch.vv = patch.yy[k];
+      contact.patch.uv = one.seatIsA ? patch.xy[k] : -patch.xy[k];
+    }
+  }
+
+  World& world;
+  World::Chunk& chunk;
+  const bool places;
+  std::array<Group<FaceLook<Wide>>, most> faces;
+  std::array<Group<EdgeLook<Wide>>, most> edges;
+  std::size_t faceGroups = 0, edgeGroups = 0;
+  BoxCells cells;
+};
+
+}  // namespace
+
+void findCuboidContacts(std::size_t c, World& world) {
+  World::Chunk& chunk = world.chunks[c];
+  const std::size_t first = c * World::chunkSize;
+  const std::size_t last = std::min(first + World::chunkSize, world.activePairs.size());
+  CuboidLooks looks(world, chunk);
+  for (std::size_t p = first; p < last; ++p) {
+    const auto before = static_cast<std::int32_t>(chunk.contacts.size());
+    looks.take(world.activePairs[p]);
+    world.contactsOfPair[p] = {before, static_cast<std::int32_t>(chunk.contacts.size()) - before};
+  }
+  looks.finish();
+
+  // Without those that have parted; the deepest is known only now.
+  chunk.deepest = 0;
+  std::size_t kept = 0;
+  for (std::size_t p = first; p < last; ++p) {
+    World::ContactRange& range = world.contactsOfPair[p];
+    const auto before = static_cast<std::int32_t>(kept);
+    for (std::int32_t k = range.first; k < range.first + range.count; ++k) {
+      if (chunk.contacts[at(k)].a < 0) continue;
+      if (kept != at(k)) chunk.contacts[kept] = chunk.contacts[at(k)];
+      const Contact& contact = chunk.contacts[kept++];
+      const double size =
+          std::min(world.bodies.shape[at(contact.a)]->size(), world.bodies.shape[at(contact.b)]->size());
+      if (!(contact.touch.overlap > chunk.deepest * size)) continue;
+      chunk.deepest = contact.touch.overlap / size;
+      chunk.deepestContact = static_cast<std::int32_t>(kept) - 1;
+    }
+    range = {before, static_cast<std::int32_t>(kept) - before};
+  }
+  chunk.contacts.resize(kept);
+}
+
+}  // namespace granular

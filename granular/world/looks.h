@@ -1,0 +1,36 @@
+// Looks at pairs of bodies, and what follows from them: shared by the ways to find contacts, one by one and in batches.
+#pragma once
+
+#include "granular/world/world.h"
+
+namespace granular {
+
+/// A look at one pair of bodies that has begun.
+struct Look {
+  std::int32_t index;  ///< of the pair
+  double travel;       ///< of both bodies so far
+  bool touchedBefore;
+  Vec3 shift;
+  Frame frameB;  ///< next to A
+};
+
+/// True if the pair was proven apart by a gap that cannot have closed yet.
+inline bool isQuiet(const World& world, const Pair& pair) {
+  const std::vector<double>& travel = world.bodies.travel;
+  return world.options.skips.separation &&
+         travel[static_cast<std::size_t>(pair.a)] + travel[static_cast<std::size_t>(pair.b)] < pair.quietUntil;
+}
+/// Begins a look: false where the pair needs none.
+bool beginLook(World& world, std::int32_t index, Look& look);
+/// Takes it by the pair's kernel; counts what no bound could certify.
+bool takeLook(World& world, const Look& look, World::Chunk& chunk, Touch& touch);
+/// Ends it with what was found: appends the contacts, or waits for as long as the gap needs to close.
+void endLook(World& world, const Look& look, bool touching, const Touch& touch, World::Chunk& chunk);
+/// The latter alone: the pair's memory of what touched is given up.
+void waitForGap(World& world, const Look& look);
+
+/// Finds and places the contacts of a chunk in which only cuboids meet, those that touched before in batches
+/// (cuboid_contacts.cpp); others, and those of rules that the batches don't know, are left for placeContactPoints.
+void findCuboidContacts(std::size_t c, World& world);
+
+}  // namespace granular
