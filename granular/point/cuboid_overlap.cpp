@@ -1,55 +1,21 @@
 #include "granular/point/cuboid_overlap.h"
 
-#include <limits>
-
 #include "granular/point/surface_side.h"
 
 namespace granular {
 namespace {
 
-struct Place {
-  Wide x, y;
-};
-Place operator+(const Place& a, const Place& b) { return {a.x + b.x, a.y + b.y}; }
-Place operator*(const Wide& s, const Place& p) { return {s * p.x, s * p.y}; }
-Wide cross(const Place& a, const Place& b) { return a.x * b.y - a.y * b.x; }
 Mask<Wide> isWithin(const Wide& x, const Wide& low, const Wide& high) { return both(x >= low, x <= high); }
 
-/// Integrals over triangles with a corner at the origin, as integrate(Polygon, Linear) adds them up: of one sign.
-struct Fan {
-  Wide area{}, x{}, y{}, xx{}, xy{}, yy{}, volume{}, volumeX{}, volumeY{};
-
-  /// p to q runs round the origin either way; depths at the origin, p and q.
-  void add(const Place& p, const Place& q, const Wide& depth, const Wide& depthP, const Wide& depthQ,
-           const Mask<Wide>& chosen) {
-    const Wide twice = choose(chosen, magnitude(cross(p, q)), Wide{});
-    const Place sum = p + q;
-    const Wide depths = depth + depthP + depthQ;
-    area += twice;
-    x += twice * sum.x;
-    y += twice * sum.y;
-    xx += twice * (p.x * p.x + q.x * q.x + sum.x * sum.x);
-    xy += twice * (p.x * p.y + q.x * q.y + sum.x * sum.y);
-    yy += twice * (p.y * p.y + q.y * q.y + sum.y * sum.y);
-    volume += twice * depths;
-    volumeX += twice * ((depths + depthP) * p.x + (depths + depthQ) * q.x);
-    volumeY += twice * ((depths + depthP) * p.y + (depths + depthQ) * q.y);
-  }
-
-  void store(MomentLanes& sums) const {
-    constexpr double half = 1.0 / 2, sixth = 1.0 / 6, last = 1.0 / 24;
-    storeWide(half * area, sums.area);
-    storeWide(sixth * x, sums.x);
-    storeWide(sixth * y, sums.y);
-    storeWide(last * xx, sums.xx);
-    storeWide(last * xy, sums.xy);
-    storeWide(last * yy, sums.yy);
-    storeWide(sixth * volume, sums.volume);
-    storeWide(last * volumeX, sums.volumeX);
-    storeWide(last * volumeY, sums.volumeY);
-    storeWide(Wide{}, sums.spikes);
-  }
-};
+void store(const Fan& fan, OverlapLanes& sums) {
+  const auto found = fan.sums();
+  for (std::size_t n = 0; n < found.size(); ++n) storeWide(found[n], sums.moment[n]);
+}
+/// To those that triangles may have brought already.
+void addPowers(const Wide& area, const Wide& x, const Wide& y, int exponent, OverlapLanes& sums) {
+  const auto found = powersOfTips(area, x, y, exponent);
+  for (std::size_t n = 0; n < found.size(); ++n) storeWide(loadWide(sums.power[n]) + found[n], sums.power[n]);
+}
 
 /// Of the guest's face across its edge j at the corner: how its height over the contact plane rises.
 Place riseOf(const FaceLook<Wide>& look, std::size_t j) {
@@ -85,36 +51,67 @@ Wide findMiddle(const EdgeLook<Wide>& look, const Place& c) {
   return 0.5 * (seat + guest);
 }
 
+/// Where a stiff patch presses, and how deep it is (stiff_patch.cpp). The powers are those of the depth over the
+/// overlap.
+struct StiffPatch {
+  Mask<Wide> good;
+  Place centre;
+  Wide depth, squaredDepth;
+};
+StiffPatch pressStiffPatch(const OverlapLanes& sums, const Wide& overlap, double p) {
+  using Lanes = OverlapLanes;
+  const Wide at = sums[Lanes::at], one = 1 + Wide{};
+  const Wide u = sums[Lanes::above] / choose(at > 0, at, one);
+  const Wide weight = (p + 1) * at - p * u * sums[Lanes::below];
+  StiffPatch out;
+  out.good = both(at > 0, weight > 0);
+  const Wide perWeight = 1 / choose(out.good, weight, one);
+  out.centre = {perWeight * ((p + 1) * sums[Lanes::atX] - p * u * sums[Lanes::belowX]),
+                perWeight * ((p + 1) * sums[Lanes::atY] - p * u * sums[Lanes::belowY])};
+  out.depth = smaller(Wide(overlap * u * weight / choose(out.good, at, one)), overlap);
+  out.squaredDepth = overlap * u * overlap * u;
+  return out;
+}
+
 template <class Look>
-PatchLanes endAnyOverlap(const Look& look, const MomentLanes& sums) {
-  const Wide area = loadWide(sums.area), volume = loadWide(sums.volume);
-  const Mask<Wide> some = both(area > 0, volume > 0);
-  const Wide perArea = 1 / choose(some, area, 1 + Wide{}), perVolume = 1 / choose(some, volume, 1 + Wide{});
-  const Place centre{perArea * loadWide(sums.x), perArea * loadWide(sums.y)};
-  const Place press{perVolume * loadWide(sums.volumeX), perVolume * loadWide(sums.volumeY)};
+PatchLanes endAnyOverlap(const Look& look, const OverlapLanes& sums, const RuleOptions& rule) {
+  using Lanes = OverlapLanes;
   PatchLanes out;
-  out.area = area;
-  out.xx = perArea * loadWide(sums.xx) - centre.x * centre.x;
-  out.yy = perArea * loadWide(sums.yy) - centre.y * centre.y;
-  out.xy = perArea * loadWide(sums.xy) - centre.x * centre.y;
-
-  // Second moments carry the round-off of the cells' spikes. Five digits of the least of them must be left, which
-  // decides for slivers; of all else that is many more.
-  constexpr double roundOff = std::numeric_limits<double>::epsilon(), digits = 1e5;
-  const Wide error = roundOff * perArea * loadWide(sums.spikes);
-  out.good = both(some, out.xx * out.yy - out.xy * out.xy > digits * error * (out.xx + out.yy));
-
+  out.area = sums[Lanes::area];
+  const Wide volume = sums[Lanes::volume], one = 1 + Wide{};
+  out.good = both(out.area > 0, volume > 0);
+  const Wide perArea = 1 / choose(out.good, out.area, one), perVolume = 1 / choose(out.good, volume, one);
+  const Place centre{perArea * sums[Lanes::x], perArea * sums[Lanes::y]};
+  Place press{perVolume * sums[Lanes::volumeX], perVolume * sums[Lanes::volumeY]};
+  out.xx = perArea * sums[Lanes::xx] - centre.x * centre.x;
+  out.yy = perArea * sums[Lanes::yy] - centre.y * centre.y;
+  out.xy = perArea * sums[Lanes::xy] - centre.x * centre.y;
   const Wide height = findMiddle(look, press);
+
+  out.depth = look.depth;
+  out.squaredDepth = look.depth * look.depth;
+  if (rule.rule == PointRule::stiffPatch) {
+    const StiffPatch stiff = pressStiffPatch(sums, look.depth, rule.sharpness);
+    out.good = both(out.good, stiff.good);
+    press = stiff.centre;
+    out.depth = stiff.depth;
+    out.squaredDepth = stiff.squaredDepth;
+  }
   const auto lift = [&](const Place& p) { return look.middle + p.x * look.x + p.y * look.y + height * look.z; };
   out.point = lift(press);
-  out.centre = lift(centre);
+  out.centre = rule.rule == PointRule::pressureCentroid ? out.point : lift(centre);
+  if (rule.rule == PointRule::pressureCentroid) out.area = out.xx = out.yy = out.xy = Wide{};
   return out;
 }
 
 }  // namespace
 
-void beginOverlap(const FaceLook<Wide>& look, const Mask<Wide>& chosen, BoxCells& cells, MomentLanes& sums) {
+void beginOverlap(const FaceLook<Wide>& look, const Mask<Wide>& chosen, OverlapsInLanes& overlaps, OverlapLanes& sums) {
+  sums = {};
   Fan fan;
+  Wide tips{}, tipsX{}, tipsY{};
+  OverlapLane targets[wideSize];
+  for (std::size_t k = 0; k < wideSize; ++k) targets[k] = {&sums, k};
   std::array<Mask<Wide>, 3> beyond;
   for (std::size_t j = 0; j < 3; ++j) {
     // From the corner along both edges of the face, as far as there is depth; then across, as far as there is.
@@ -134,26 +131,39 @@ void beginOverlap(const FaceLook<Wide>& look, const Mask<Wide>& chosen, BoxCells
       inside = both(inside, both(isWithin(p.x, look.lowX, look.highX), isWithin(p.y, look.lowY, look.highY)));
     }
     inside = both(inside, both(isWithin(Wide{}, look.lowX, look.highX), isWithin(Wide{}, look.lowY, look.highY)));
-    fan.add(p1, p12, depth, depth1, depth12, inside);
-    fan.add(p12, p21, depth, depth12, depth21, inside);
-    fan.add(p21, p2, depth, depth21, depth2, inside);
+    const auto add = [&](const Place& p, const Wide& depthP, const Place& q, const Wide& depthQ) {
+      fan.add(p, q, depth, depthP, depthQ, inside);
+      if (!overlaps.triangles.isWanted()) return;
+      const Wide twice = choose(inside, magnitude(cross(p, q)), Wide{});
+      const Mask<Wide> isTip = both(depthP <= 0, depthQ <= 0);
+      const Wide area = choose(isTip, Wide(0.5 * twice), Wide{});
+      tips += area;
+      tipsX += (1.0 / 3) * area * (p.x + q.x);
+      tipsY += (1.0 / 3) * area * (p.y + q.y);
+      overlaps.triangles.add(p, q, depthP / depth, depthQ / depth, twice, both(~isTip, twice > 0), targets);
+    };
+    add(p1, depth1, p12, depth12);
+    add(p12, depth12, p21, depth21);
+    add(p21, depth21, p2, depth2);
     beyond[j] = seen & ~inside;
   }
-  fan.store(sums);
+  store(fan, sums);
+  if (overlaps.triangles.isWanted()) addPowers(tips, tipsX, tipsY, overlaps.triangles.exponent(), sums);
   for (std::size_t j = 0; j < 3; ++j) {
     if (!isTrueForAny(beyond[j])) continue;
     const Triple<Wide>&e = look.edges[j == 2 ? 0 : j + 1], &f = look.edges[j == 0 ? 2 : j - 1];
     const Place rise = riseOf(look, j);
-    cells.add({look.lowX, look.highX, look.lowY, look.highY, Wide{}, Wide{}, e.x, e.y, f.x, f.y, look.depth, -rise.x,
-               -rise.y},
-              beyond[j], sums);
+    overlaps.cells.add(
+        {look.lowX, look.highX, look.lowY, look.highY, {}, {e.x, e.y}, {f.x, f.y}, look.depth, {-rise.x, -rise.y}},
+        beyond[j], sums);
   }
 }
 
-void beginOverlap(const EdgeLook<Wide>& look, const Mask<Wide>& chosen, BoxCells& cells, MomentLanes& sums) {
+void beginOverlap(const EdgeLook<Wide>& look, const Mask<Wide>& chosen, OverlapsInLanes& overlaps, OverlapLanes& sums) {
   // Both edges and the faces beside them divide the contact plane in four; in each quarter the depth falls linearly
   // from the crossing, along the seat's edge by what the guest's face rises, along the guest's by what the seat's
   // falls.
+  sums = {};
   Fan fan;
   std::array<Mask<Wide>, 4> beyond;
   for (std::size_t q = 0; q < 4; ++q) {
@@ -177,20 +187,34 @@ void beginOverlap(const EdgeLook<Wide>& look, const Mask<Wide>& chosen, BoxCells
     fan.add(onSeat, onGuest, look.depth, Wide{}, Wide{}, inside);
     beyond[q] = seen & ~inside;
   }
-  fan.store(sums);
+  store(fan, sums);
+  if (overlaps.triangles.isWanted()) {
+    addPowers(sums[OverlapLanes::area], sums[OverlapLanes::x], sums[OverlapLanes::y], overlaps.triangles.exponent(),
+              sums);
+  }
   for (std::size_t q = 0; q < 4; ++q) {
     if (!isTrueForAny(beyond[q])) continue;
     const Triple<Wide>&down = look.down[q / 2], &up = look.up[q % 2];
     const Place rise = riseOf(look, q % 2);
     const Wide length = look.high - look.low;
-    cells.add({look.lowX, look.highX, smaller(down.y, Wide{}), larger(down.y, Wide{}), look.low * look.along,
-               look.low * look.across, length * look.along, length * look.across, up.x, up.y, look.depth, -rise.x,
-               riseOfSeat(look, q / 2) - rise.y},
-              beyond[q], sums);
+    overlaps.cells.add({look.lowX,
+                        look.highX,
+                        smaller(down.y, Wide{}),
+                        larger(down.y, Wide{}),
+                        {look.low * look.along, look.low * look.across},
+                        {length * look.along, length * look.across},
+                        {up.x, up.y},
+                        look.depth,
+                        {-rise.x, riseOfSeat(look, q / 2) - rise.y}},
+                       beyond[q], sums);
   }
 }
 
-PatchLanes endOverlap(const FaceLook<Wide>& look, const MomentLanes& sums) { return endAnyOverlap(look, sums); }
-PatchLanes endOverlap(const EdgeLook<Wide>& look, const MomentLanes& sums) { return endAnyOverlap(look, sums); }
+PatchLanes endOverlap(const FaceLook<Wide>& look, const OverlapLanes& sums, const RuleOptions& rule) {
+  return endAnyOverlap(look, sums, rule);
+}
+PatchLanes endOverlap(const EdgeLook<Wide>& look, const OverlapLanes& sums, const RuleOptions& rule) {
+  return endAnyOverlap(look, sums, rule);
+}
 
 }  // namespace granular

@@ -1,8 +1,8 @@
 // Contacts of cuboids in batches. In a bed nearly all pairs touch as they did in the last step: along the same face, or
-// across the same edges. They are looked at side by side (narrow/cuboid_lanes.h), and under the rules `patch` and
-// `pressure_centroid` placed while their geometry is at hand (point/cuboid_overlap.h). Whatever is not proven there, a
-// tie, another feature, a sliver, a birth, goes the general way. A pair's answer does not depend on who shares its
-// batch.
+// across the same edges. They are looked at side by side (narrow/cuboid_lanes.h), and under the rules `patch`,
+// `stiff_patch` and `pressure_centroid` placed while their geometry is at hand (point/cuboid_overlap.h). Whatever is
+// not proven there, a tie, another feature, a sliver, a birth, goes the general way. A pair's answer does not depend on
+// who shares its batch.
 #include <algorithm>
 #include <array>
 
@@ -32,7 +32,7 @@ struct Group {
   std::array<Waiting, wideSize> waiting;
   alignas(64) double lanes[fields][wideSize];
   Look look;
-  MomentLanes sums;
+  OverlapLanes sums;
 
   void add(const Waiting& one, const std::array<Vec3, 9>& vectors, double tie, double inner) {
     std::size_t field = 0;
@@ -68,10 +68,7 @@ struct Spread {
 class CuboidLooks {
  public:
   CuboidLooks(World& chosen, World::Chunk& into)
-      : world(chosen),
-        chunk(into),
-        places(chosen.options.rule.rule == PointRule::patch ||
-               chosen.options.rule.rule == PointRule::pressureCentroid) {}
+      : world(chosen), chunk(into), places(placesInLanes(chosen.options.rule.rule)), overlaps(chosen.options.rule) {}
 
   /// Looks at a pair; its contact, if there is one, is the chunk's next.
   void take(std::int32_t index) {
@@ -155,11 +152,11 @@ class CuboidLooks {
   void begin(Group<AnyLook>& group, const AnyLook& look) {
     group.look = look;
     if (!places) return;
-    if (cells.isFull(mostBoxCells)) cells.integrate();
+    if (overlaps.cells.isFull(mostBoxCells)) overlaps.finish();
     // Lanes beyond the last pair are left out, so that no cell is integrated twice.
     Mask<Wide> chosen = both(both(look.holds, look.proven), look.depth > 0);
     for (std::size_t k = group.count; k < wideSize; ++k) chosen[k] = 0;
-    beginOverlap(look, chosen, cells, group.sums);
+    beginOverlap(look, chosen, overlaps, group.sums);
   }
 
   /// Ends the groups, the last of which may be part full, and empties them.
@@ -173,7 +170,7 @@ class CuboidLooks {
   }
   template <class AnyLook>
   void endAll(std::array<Group<AnyLook>, most>& groups, std::size_t& full) {
-    cells.integrate();
+    overlaps.finish();
     for (std::size_t g = 0; g < full; ++g) end(groups[g]);
     full = 0;
   }
@@ -246,9 +243,8 @@ class CuboidLooks {
   template <class AnyLook>
   void place(const Group<AnyLook>& group, const Spread& x) {
     const AnyLook& look = group.look;
-    const PatchLanes patch = endOverlap(look, group.sums);
+    const PatchLanes patch = endOverlap(look, group.sums, world.options.rule);
     const Spread point(patch.point), centre(patch.centre);
-    const bool isPatch = world.options.rule.rule == PointRule::patch;
     for (std::size_t k = 0; k < group.count; ++k) {
       const Waiting& one = group.waiting[k];
       if (look.holds[k] == 0 || look.proven[k] == 0 || !(look.depth[k] > 0)) continue;
@@ -259,13 +255,14 @@ class CuboidLooks {
       }
       const Vec3 seat = seatPlace(one, contact);
       placePoint(seat + point[k], x[k], look.depth[k], contact.patch);
-      contact.placed = true;
-      if (!isPatch) continue;
+      contact.patch.depth = patch.depth[k];
+      contact.patch.squaredDepth = patch.squaredDepth[k];
       contact.patch.centre = seat + centre[k];
       contact.patch.area = patch.area[k];
       contact.patch.uu = patch.xx[k];
       contact.patch.vv = patch.yy[k];
       contact.patch.uv = one.seatIsA ? patch.xy[k] : -patch.xy[k];
+      contact.placed = true;
     }
   }
 
@@ -275,7 +272,7 @@ class CuboidLooks {
   std::array<Group<FaceLook<Wide>>, most> faces;
   std::array<Group<EdgeLook<Wide>>, most> edges;
   std::size_t faceGroups = 0, edgeGroups = 0;
-  BoxCells cells;
+  OverlapsInLanes overlaps;
 };
 
 }  // namespace
