@@ -3,6 +3,7 @@
 // know arithmetic, comparisons and ?: of such vectors; what else is needed stands here.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -86,9 +87,13 @@ inline bool isTrueForAny(const Mask<Wide>& mask) {
   return any != 0;
 }
 inline bool isTrueForAll(const Mask<Wide>& mask) {
+#if defined(__AVX512F__)
+  return _mm512_test_epi64_mask(reinterpret_cast<__m512i>(mask), reinterpret_cast<__m512i>(mask)) == 0xff;
+#else
   std::int64_t all = -1;
   for (std::size_t k = 0; k < wideSize; ++k) all &= mask[k];
   return all != 0;
+#endif
 }
 
 /// A vector in space of such numbers.
@@ -98,6 +103,7 @@ struct Triple {
 
   Triple operator+(const Triple& o) const { return {x + o.x, y + o.y, z + o.z}; }
   Triple operator-(const Triple& o) const { return {x - o.x, y - o.y, z - o.z}; }
+  Triple operator/(double o) const { return {x / o, y / o, z / o}; }
   Triple cross(const Triple& o) const { return {y * o.z - z * o.y, z * o.x - x * o.z, x * o.y - y * o.x}; }
   Real dot(const Triple& o) const { return x * o.x + y * o.y + z * o.z; }
   /// Coefficient by coefficient.
@@ -109,6 +115,8 @@ template <class Real>
 Triple<Real> operator*(const Real& s, const Triple<Real>& v) {
   return {s * v.x, s * v.y, s * v.z};
 }
+/// One factor for all.
+inline Triple<Wide> operator*(double s, const Triple<Wide>& v) { return {s * v.x, s * v.y, s * v.z}; }
 template <class Real>
 Triple<Real> unit(const Triple<Real>& v) {
   return Real(1 / v.norm()) * v;
@@ -118,7 +126,35 @@ Triple<Real> choose(const Mask<Real>& first, const Triple<Real>& a, const Triple
   return {choose(first, a.x, b.x), choose(first, a.y, b.y), choose(first, a.z, b.z)};
 }
 
+/// A quaternion of such numbers, with Eigen's order of operations: of one number alone it gives the bits of Quat.
+template <class Real>
+struct Quadruple {
+  Real x, y, z, w;
+
+  Triple<Real> vec() const { return {x, y, z}; }
+  Quadruple conjugate() const { return {-x, -y, -z, w}; }
+  Quadruple operator*(const Quadruple& o) const {
+    return {(w * o.x + y * o.z) - (z * o.y - x * o.w), (w * o.y + y * o.w) + (z * o.x - x * o.z),
+            (w * o.z - y * o.x) + (z * o.w + x * o.y), (w * o.w - y * o.y) - (z * o.z + x * o.x)};
+  }
+  /// Of a unit quaternion.
+  Triple<Real> rotate(const Triple<Real>& v) const {
+    const Triple<Real> half = vec().cross(v), whole = half + half;
+    return v + w * whole + vec().cross(whole);
+  }
+  Real squaredNorm() const { return (x * x + z * z) + (y * y + w * w); }
+  /// The columns of the matrix of a unit quaternion.
+  std::array<Triple<Real>, 3> columns() const {
+    const Real tx = 2 * x, ty = 2 * y, tz = 2 * z;
+    const Real wx = tx * w, wy = ty * w, wz = tz * w, xx = tx * x, xy = ty * x, xz = tz * x;
+    const Real yy = ty * y, yz = tz * y, zz = tz * z;
+    return {{{1 - (yy + zz), xy + wz, xz - wy}, {xy - wz, 1 - (xx + zz), yz + wx}, {xz + wy, yz - wx, 1 - (xx + yy)}}};
+  }
+};
+
 inline Triple<double> toTriple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 inline Vec3 toVec3(const Triple<double>& v) { return {v.x, v.y, v.z}; }
+inline Quadruple<double> toQuadruple(const Quat& q) { return {q.x(), q.y(), q.z(), q.w()}; }
+inline Quat toQuat(const Quadruple<double>& q) { return {q.w, q.x, q.y, q.z}; }
 
 }  // namespace granular

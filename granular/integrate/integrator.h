@@ -1,9 +1,9 @@
-// Schemes of motion behind one signature, for one body at a time (S equation 1 and its reference 25).
+// Schemes of motion behind one signature (S equation 1 and its reference 25).
 // A step is predict (half-step memory -> state at t_{n+1}, which the contact law reads), one force and torque, and
 // advance (-> memory of the next half step). Every scheme must be started from (x_0, v_0, q_0, w_0): without the half
 // step it falls to first order. A change of dt is a new start from the state at t_n; single pairs are never
-// sub-stepped. The schemes are inline functions of their own headers (seelen.h, spiral.h); the table serves those who
-// choose at run time.
+// sub-stepped. A scheme of rotation is a struct in a header of its own (seelen.h, spiral.h); the table serves those who
+// choose at run time, one body at a time.
 #pragma once
 
 #include <string_view>
@@ -12,33 +12,38 @@
 
 namespace granular {
 
+/// Euler's equation in body axes: a = I^-1 (T - w x I w). inverseInertia 0 holds the axis.
+inline Vec3 accelerateRotation(const Vec3& inertia, const Vec3& inverseInertia, const Vec3& torque, const Vec3& w) {
+  return inverseInertia.cwiseProduct(torque - w.cross(inertia.cwiseProduct(w)));
+}
+
+/// v_{1/2} from v_0 and A_0 (world axes). Vector: Vec3 or Triple.
+template <class Vector>
+void startTranslation(double dt, const Vector& acceleration, const Vector& v, Vector& vHalf) {
+  vHalf = v + 0.5 * dt * acceleration;
+}
+
+/// x_{n+1}, and v_{n+1} for the dashpots; acceleration is A_n.
+template <class Vector>
+void predictTranslation(double dt, const Vector& vHalf, const Vector& acceleration, Vector& x, Vector& v) {
+  x = x + dt * vHalf;
+  v = vHalf + 0.5 * dt * acceleration;
+}
+
+/// v_{n+3/2} from A_{n+1}.
+template <class Vector>
+void advanceTranslation(double dt, const Vector& acceleration, Vector& vHalf) {
+  vHalf = vHalf + dt * acceleration;
+}
+
+enum class SchemeKind : unsigned char { seelen, spiral };
+
 /// What a scheme remembers of one body's rotation; references into the arrays that own it.
 struct RotationMemory {
   Quat& qHalf;  ///< orientation at the scheme's stored time, body to world
   Vec3& wHalf;  ///< angular velocity at the half step, body axes, rad/s
   Vec3& alpha;  ///< angular acceleration of the last step, body axes, rad/s^2
 };
-
-/// Euler's equation in body axes: a = I^-1 (T - w x I w). inverseInertia 0 holds the axis.
-inline Vec3 accelerateRotation(const Vec3& inertia, const Vec3& inverseInertia, const Vec3& torque, const Vec3& w) {
-  return inverseInertia.cwiseProduct(torque - w.cross(inertia.cwiseProduct(w)));
-}
-
-/// v_{1/2} from v_0 and A_0 (world axes).
-inline void startTranslation(double dt, const Vec3& acceleration, const Vec3& v, Vec3& vHalf) {
-  vHalf = v + 0.5 * dt * acceleration;
-}
-
-/// x_{n+1}, and v_{n+1} for the dashpots; acceleration is A_n.
-inline void predictTranslation(double dt, const Vec3& vHalf, const Vec3& acceleration, Vec3& x, Vec3& v) {
-  x += dt * vHalf;
-  v = vHalf + 0.5 * dt * acceleration;
-}
-
-/// v_{n+3/2} from A_{n+1}.
-inline void advanceTranslation(double dt, const Vec3& acceleration, Vec3& vHalf) { vHalf += dt * acceleration; }
-
-enum class SchemeKind : unsigned char { seelen, spiral };
 
 /// One row of the table. Inertia: principal moments, kg m^2; inverseInertia 0 for a fixed body; torque and w in world
 /// axes.

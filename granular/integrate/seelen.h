@@ -7,31 +7,38 @@
 // .05.
 #pragma once
 
-#include "granular/integrate/integrator.h"
 #include "granular/integrate/small_rotation.h"
+#include "granular/integrate/turn.h"
 
-namespace granular::seelen {
+namespace granular {
 
-inline void startRotation(double dt, const Vec3& inertia, const Vec3& inverseInertia, const Vec3& torque, const Quat& q,
-                          const Vec3& w, RotationMemory memory) {
-  const Vec3 wBody = q.conjugate() * w;
-  memory.alpha = accelerateRotation(inertia, inverseInertia, q.conjugate() * torque, wBody);
-  memory.wHalf = wBody + 0.5 * dt * memory.alpha;
-  memory.qHalf = rotateByStep(0.5 * dt * (q * Vec3(wBody + 0.25 * dt * memory.alpha))) * q;
-}
+struct Seelen {
+  template <class Real>
+  static HalfTurn<Real> startRotation(double dt, const Moments<Real>& moments, const Triple<Real>& torque,
+                                      const Turn<Real>& now) {
+    const Quadruple<Real> toBody = now.q.conjugate();
+    const Triple<Real> w = toBody.rotate(now.w);
+    const Triple<Real> alpha = moments.accelerate(toBody.rotate(torque), w);
+    const Triple<Real> quarter = now.q.rotate(w + 0.25 * dt * alpha);
+    return {rotateByStep(0.5 * dt * quarter) * now.q, w + 0.5 * dt * alpha, alpha};
+  }
 
-inline void predictRotation(double dt, const Quat& qHalf, const Vec3& wHalf, const Vec3& alpha, Quat& q, Vec3& w) {
-  q = rotateByStep(0.5 * dt * (qHalf * Vec3(wHalf + 0.25 * dt * alpha))) * qHalf;
-  w = q * Vec3(wHalf + 0.5 * dt * alpha);
-}
+  template <class Real>
+  static Turn<Real> predictRotation(double dt, const HalfTurn<Real>& half) {
+    const Triple<Real> threeQuarters = half.q.rotate(half.w + 0.25 * dt * half.alpha);
+    const Quadruple<Real> q = rotateByStep(0.5 * dt * threeQuarters) * half.q;
+    return {q, q.rotate(half.w + 0.5 * dt * half.alpha)};
+  }
 
-inline void advanceRotation(double dt, const Vec3& inertia, const Vec3& inverseInertia, const Vec3& torque,
-                            const Quat& q, const Vec3& w, RotationMemory memory) {
-  const Vec3 wBody = memory.wHalf + 0.5 * dt * memory.alpha;
-  memory.alpha = accelerateRotation(inertia, inverseInertia, q.conjugate() * torque, wBody);
-  memory.wHalf += dt * memory.alpha;
-  memory.qHalf = rotateByStep(dt * w) * memory.qHalf;
-  keepUnit(memory.qHalf);
-}
+  template <class Real>
+  static void advanceRotation(double dt, const Moments<Real>& moments, const Triple<Real>& torque,
+                              const Turn<Real>& now, HalfTurn<Real>& half) {
+    const Triple<Real> w = half.w + 0.5 * dt * half.alpha;
+    half.alpha = moments.accelerate(now.q.conjugate().rotate(torque), w);
+    half.w = half.w + dt * half.alpha;
+    half.q = rotateByStep(dt * now.w) * half.q;
+    keepUnit(half.q);
+  }
+};
 
-}  // namespace granular::seelen
+}  // namespace granular

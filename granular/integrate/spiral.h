@@ -5,39 +5,47 @@
 // qHalf stores q_n here: this scheme keeps orientations at whole steps, angular velocities at half steps.
 #pragma once
 
-#include "granular/integrate/integrator.h"
 #include "granular/integrate/small_rotation.h"
+#include "granular/integrate/turn.h"
 
-namespace granular::spiral {
+namespace granular {
 
-/// The angular velocity after a step of h with a constant torque, all in body axes.
-inline Vec3 stepVelocity(double h, const Vec3& inertia, const Vec3& inverseInertia, const Vec3& torque, const Vec3& w) {
-  const Vec3 k1 = h * accelerateRotation(inertia, inverseInertia, torque, w);
-  const Vec3 k2 = h * accelerateRotation(inertia, inverseInertia, torque, w + k1);
-  const Vec3 k3 = h * accelerateRotation(inertia, inverseInertia, torque, w + 0.25 * (k1 + k2));
-  return w + (k1 + k2 + 4 * k3) / 6;
-}
+struct Spiral {
+  template <class Real>
+  static HalfTurn<Real> startRotation(double dt, const Moments<Real>& moments, const Triple<Real>& torque,
+                                      const Turn<Real>& now) {
+    const Quadruple<Real> toBody = now.q.conjugate();
+    const Triple<Real> torqueBody = toBody.rotate(torque);
+    const Triple<Real> w = stepVelocity(0.5 * dt, moments, torqueBody, toBody.rotate(now.w));
+    return {now.q, w, moments.accelerate(torqueBody, w)};
+  }
 
-inline void startRotation(double dt, const Vec3& inertia, const Vec3& inverseInertia, const Vec3& torque, const Quat& q,
-                          const Vec3& w, RotationMemory memory) {
-  const Vec3 torqueBody = q.conjugate() * torque;
-  memory.wHalf = stepVelocity(0.5 * dt, inertia, inverseInertia, torqueBody, q.conjugate() * w);
-  memory.alpha = accelerateRotation(inertia, inverseInertia, torqueBody, memory.wHalf);
-  memory.qHalf = q;
-}
+  template <class Real>
+  static Turn<Real> predictRotation(double dt, const HalfTurn<Real>& half) {
+    const Quadruple<Real> q = half.q * rotateByStep(dt * half.w);
+    return {q, q.rotate(half.w + 0.5 * dt * half.alpha)};
+  }
 
-inline void predictRotation(double dt, const Quat& qHalf, const Vec3& wHalf, const Vec3& alpha, Quat& q, Vec3& w) {
-  q = qHalf * rotateByStep(dt * wHalf);
-  w = q * Vec3(wHalf + 0.5 * dt * alpha);
-}
+  template <class Real>
+  static void advanceRotation(double dt, const Moments<Real>& moments, const Triple<Real>& torque,
+                              const Turn<Real>& now, HalfTurn<Real>& half) {
+    const Triple<Real> torqueBody = now.q.conjugate().rotate(torque);
+    half.w = stepVelocity(dt, moments, torqueBody, half.w);
+    half.alpha = moments.accelerate(torqueBody, half.w);
+    half.q = now.q;
+    keepUnit(half.q);
+  }
 
-inline void advanceRotation(double dt, const Vec3& inertia, const Vec3& inverseInertia, const Vec3& torque,
-                            const Quat& q, const Vec3& /*w*/, RotationMemory memory) {
-  const Vec3 torqueBody = q.conjugate() * torque;
-  memory.wHalf = stepVelocity(dt, inertia, inverseInertia, torqueBody, memory.wHalf);
-  memory.alpha = accelerateRotation(inertia, inverseInertia, torqueBody, memory.wHalf);
-  memory.qHalf = q;
-  keepUnit(memory.qHalf);
-}
+ private:
+  /// The angular velocity after a step of h with a constant torque, all in body axes.
+  template <class Real>
+  static Triple<Real> stepVelocity(double h, const Moments<Real>& moments, const Triple<Real>& torque,
+                                   const Triple<Real>& w) {
+    const Triple<Real> k1 = h * moments.accelerate(torque, w);
+    const Triple<Real> k2 = h * moments.accelerate(torque, w + k1);
+    const Triple<Real> k3 = h * moments.accelerate(torque, w + 0.25 * (k1 + k2));
+    return w + (k1 + k2 + 4.0 * k3) / 6;
+  }
+};
 
-}  // namespace granular::spiral
+}  // namespace granular

@@ -1,4 +1,5 @@
 // Stages of a step that make forces of contacts: the law of each, and the sum on each body.
+#include "granular/body/lanes.h"
 #include "granular/core/share_out.h"
 #include "granular/world/contact_radius.h"
 #include "granular/world/stages.h"
@@ -166,16 +167,25 @@ void measureWallStiffness(World& world) {
   }
 }
 
-/// Weight, and for a sleeper the contacts at rest, before the contacts of the step are added. Returns the load so far.
-double startSum(World& world, std::size_t i, Vec3& force, Vec3& torque) {
-  force = world.bodies.mass[i] * world.options.gravity;
-  torque.setZero();
-  const double load = world.options.sleep.on ? force.norm() : 0;
-  if (world.bodies.state[i] == BodyState::asleep) {
-    force += world.heldForce[i];
-    torque += world.heldTorque[i];
+/// Weight, and for a sleeper the contacts at rest, before the contacts of the step are added; the load so far.
+void startSums(World& world) {
+  Bodies& bodies = world.bodies;
+  const bool worthwhile = world.gathered.size() >= bodiesForThreads;
+  const Vec3& g = world.options.gravity;
+  visitBodies(world.gathered, world.options.noBatches, worthwhile, [&]<class Place>(const Place& place) {
+    using Real = typename Place::Real;
+    const Real mass = place.read(bodies.mass);
+    place.write(Triple<Real>{mass * g.x(), mass * g.y(), mass * g.z()}, bodies.force);
+    place.write(Triple<Real>{}, bodies.torque);
+  });
+  if (!world.options.sleep.on && world.heldForce.empty()) return;
+  for (const std::int32_t slot : world.gathered) {
+    const std::size_t i = at(slot);
+    if (world.options.sleep.on) world.load[i] = bodies.force[i].norm();
+    if (bodies.state[i] != BodyState::asleep) continue;
+    bodies.force[i] += world.heldForce[i];
+    bodies.torque[i] += world.heldTorque[i];
   }
-  return load;
 }
 
 /// Body by body, each by one thread.
@@ -185,8 +195,8 @@ void sumByBodies(World& world) {
   const bool loads = world.options.sleep.on;
   shareOutEvenly(world.gathered.size(), world.gathered.size() >= bodiesForThreads, [&](std::size_t g) {
     const auto i = at(world.gathered[g]);
-    Vec3 force, torque;
-    double load = startSum(world, i, force, torque);
+    Vec3 force = bodies.force[i], torque = bodies.torque[i];
+    double load = loads ? world.load[i] : 0;
     for (std::int32_t e = world.incidenceBegin[i]; e < world.incidenceBegin[i + 1]; ++e) {
       const World::Incidence& link = world.incidence[at(e)];
       const bool atWall = link.active < 0;
@@ -211,11 +221,6 @@ void sumByBodies(World& world) {
 void sumByContacts(World& world) {
   Bodies& bodies = world.bodies;
   const bool loads = world.options.sleep.on;
-  for (const std::int32_t slot : world.gathered) {
-    const std::size_t i = at(slot);
-    const double load = startSum(world, i, bodies.force[i], bodies.torque[i]);
-    if (loads) world.load[i] = load;
-  }
   const auto isFrozen = [&](std::int32_t body) { return body < 0 || bodies.state[at(body)] == BodyState::frozen; };
   for (const World::Chunk& chunk : world.chunks) {
     for (const ContactPull& pull : chunk.pulls) {
@@ -243,6 +248,7 @@ void applyForceLaws(double dt, std::size_t c, World& world) {
 
 void gatherForces(World& world) {
   if (world.options.sleep.on) world.load.resize(world.bodies.size());
+  startSums(world);
   omp_get_max_threads() == 1 ? sumByContacts(world) : sumByBodies(world);
 
   // Walls are few: their sums run over all their contacts in order.

@@ -1,5 +1,5 @@
 // Stages of a step that move bodies and walls, and the start of the half steps.
-#include "granular/core/share_out.h"
+#include "granular/body/lanes.h"
 #include "granular/integrate/seelen.h"
 #include "granular/integrate/spiral.h"
 #include "granular/world/stages.h"
@@ -7,33 +7,59 @@
 namespace granular {
 namespace {
 
-/// Predicts every moving body with one scheme; the scheme is a template argument so that its kernel is inlined.
-template <auto predictRotation>
-void predictBodies(double dt, Bodies& bodies) {
-  const std::vector<std::int32_t>& moving = bodies.movingSlots();
-  shareOutEvenly(moving.size(), moving.size() >= bodiesForThreads, [&](std::size_t k) {
-    const auto i = static_cast<std::size_t>(moving[k]);
-    // No surface point moves further than the centre does plus the turn of the outermost point.
-    const Vec3& spin = bodies.wHalf[i];
-    bodies.spinHalf[i] = bodies.qHalf[i] * spin;
-    predictTranslation(dt, bodies.vHalf[i], bodies.acceleration[i], bodies.x[i], bodies.v[i]);
-    predictRotation(dt, bodies.qHalf[i], spin, bodies.alpha[i], bodies.q[i], bodies.w[i]);
-    const double fastest = std::max(spin.norm(), bodies.w[i].norm());
-    bodies.travel[i] += dt * (bodies.vHalf[i].norm() + bodies.boundingRadius[i] * fastest);
-    bodies.frame[i] = Frame(bodies.q[i].toRotationMatrix(), bodies.x[i]);
-  });
+/// State at t_{n+1} of the bodies in a place (body/lanes.h).
+template <class Scheme, class Place>
+void predictBodies(double dt, const Place& place, Bodies& bodies) {
+  using Real = typename Place::Real;
+  const HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
+  const Triple<Real> vHalf = place.read(bodies.vHalf);
+  Triple<Real> x = place.read(bodies.x), v;
+  predictTranslation(dt, vHalf, place.read(bodies.acceleration), x, v);
+  const Turn<Real> next = Scheme::predictRotation(dt, half);
+  // No surface point moves further than the centre does plus the turn of the outermost point.
+  const Real fastest = squareRoot(larger(half.w.dot(half.w), next.w.dot(next.w)));
+  const Real way = dt * (vHalf.norm() + place.read(bodies.boundingRadius) * fastest);
+  place.write(place.read(bodies.travel) + way, bodies.travel);
+  place.write(half.q.rotate(half.w), bodies.spinHalf);
+  place.write(x, bodies.x);
+  place.write(v, bodies.v);
+  place.write(next.q, bodies.q);
+  place.write(next.w, bodies.w);
+  place.write(next.q, x, bodies.frame);
 }
 
-template <auto advanceRotation>
-void advanceBodies(double dt, Bodies& bodies) {
+/// Memory of the next half step of the bodies in a place.
+template <class Scheme, class Place>
+void advanceBodies(double dt, const Place& place, Bodies& bodies) {
+  using Real = typename Place::Real;
+  const Triple<Real> acceleration = place.read(bodies.inverseMass) * place.read(bodies.force);
+  Triple<Real> vHalf = place.read(bodies.vHalf);
+  advanceTranslation(dt, acceleration, vHalf);
+  HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
+  Scheme::advanceRotation(dt, Moments<Real>{place.read(bodies.inertia), place.read(bodies.inverseInertia)},
+                          place.read(bodies.torque), Turn<Real>{place.read(bodies.q), place.read(bodies.w)}, half);
+  place.write(acceleration, bodies.acceleration);
+  place.write(vHalf, bodies.vHalf);
+  place.write(half.q, bodies.qHalf);
+  place.write(half.w, bodies.wHalf);
+  place.write(half.alpha, bodies.alpha);
+}
+
+/// Calls visit(scheme, place) for the places of all moving bodies: whole registers of them, and those left over one by
+/// one.
+template <class Visitor>
+void visitMoving(const WorldOptions& options, const Bodies& bodies, const Visitor& visit) {
   const std::vector<std::int32_t>& moving = bodies.movingSlots();
-  shareOutEvenly(moving.size(), moving.size() >= bodiesForThreads, [&](std::size_t k) {
-    const auto i = static_cast<std::size_t>(moving[k]);
-    bodies.acceleration[i] = bodies.inverseMass[i] * bodies.force[i];
-    advanceTranslation(dt, bodies.acceleration[i], bodies.vHalf[i]);
-    advanceRotation(dt, bodies.inertia[i], bodies.inverseInertia[i], bodies.torque[i], bodies.q[i], bodies.w[i],
-                    {bodies.qHalf[i], bodies.wHalf[i], bodies.alpha[i]});
-  });
+  const auto visitAll = [&](auto scheme) {
+    visitBodies(moving, options.noBatches, moving.size() >= bodiesForThreads,
+                [&](const auto& place) { visit(scheme, place); });
+  };
+  switch (options.integrator) {
+    case SchemeKind::seelen:
+      return visitAll(Seelen{});
+    case SchemeKind::spiral:
+      return visitAll(Spiral{});
+  }
 }
 
 /// The largest distance of any body's surface from the axis of a turning wall: further out no part of it is met.
@@ -92,21 +118,13 @@ void moveWalls(double dt, World& world) {
 }
 
 void predict(double dt, const WorldOptions& options, Bodies& bodies) {
-  switch (options.integrator) {
-    case SchemeKind::seelen:
-      return predictBodies<seelen::predictRotation>(dt, bodies);
-    case SchemeKind::spiral:
-      return predictBodies<spiral::predictRotation>(dt, bodies);
-  }
+  visitMoving(options, bodies,
+              [&]<class Scheme>(Scheme, const auto& place) { predictBodies<Scheme>(dt, place, bodies); });
 }
 
 void advance(double dt, const WorldOptions& options, Bodies& bodies) {
-  switch (options.integrator) {
-    case SchemeKind::seelen:
-      return advanceBodies<seelen::advanceRotation>(dt, bodies);
-    case SchemeKind::spiral:
-      return advanceBodies<spiral::advanceRotation>(dt, bodies);
-  }
+  visitMoving(options, bodies,
+              [&]<class Scheme>(Scheme, const auto& place) { advanceBodies<Scheme>(dt, place, bodies); });
 }
 
 // With rotation locked about some world axes, Euler's equation holds along the others alone: the angular acceleration

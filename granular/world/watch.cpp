@@ -1,4 +1,5 @@
 // The last stage of a step: what a user must be told. Counted always, named the first few times.
+#include "granular/body/lanes.h"
 #include "granular/world/stages.h"
 
 namespace granular {
@@ -13,6 +14,14 @@ Trouble troubleOf(const World& world, const ContactPull& contact, Trouble::Kind 
     trouble.wall = world.walls[static_cast<std::size_t>(-1 - contact.b)]->name;
   }
   return trouble;
+}
+
+/// Square of a bound on the speed of the surface, m^2/s^2.
+template <class Place>
+typename Place::Real squareSpeed(const Bodies& bodies, const Place& place) {
+  const auto v = place.read(bodies.v), w = place.read(bodies.w);
+  const auto radius = place.read(bodies.boundingRadius);
+  return v.dot(v) + w.dot(w) * radius * radius;
 }
 
 }  // namespace
@@ -55,19 +64,20 @@ void watch(World& world) {
   // Bodies: one comparison catches speeds that are too large and those that are not numbers.
   const double limit = world.options.maxSpeed * world.options.maxSpeed;
   report.bodySteps += bodies.movingSlots().size();
-  for (const std::int32_t slot : bodies.movingSlots()) {
-    const auto i = static_cast<std::size_t>(slot);
-    const double square =
-        bodies.v[i].squaredNorm() + bodies.w[i].squaredNorm() * bodies.boundingRadius[i] * bodies.boundingRadius[i];
-    if (square <= limit) continue;
-    const bool finite = std::isfinite(square);
-    report.add({finite ? Trouble::Kind::tooFast : Trouble::Kind::nonFinite,
-                world.time,
-                bodies.id[i],
-                -1,
-                {},
-                std::sqrt(square)});
-  }
+  visitBodies(bodies.movingSlots(), world.options.noBatches, false, [&]<class Place>(const Place& place) {
+    if (isTrueForAll(squareSpeed(bodies, place) <= limit + typename Place::Real{})) return;
+    for (std::size_t k = 0; k < place.count; ++k) {
+      const double square = squareSpeed(bodies, OneBody(place.at(k)));
+      if (square <= limit) continue;
+      const bool finite = std::isfinite(square);
+      report.add({finite ? Trouble::Kind::tooFast : Trouble::Kind::nonFinite,
+                  world.time,
+                  bodies.id[place.at(k)],
+                  -1,
+                  {},
+                  std::sqrt(square)});
+    }
+  });
 }
 
 void checkDomain(World& world) {

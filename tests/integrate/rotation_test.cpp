@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "granular/core/errors.h"
+#include "granular/core/random.h"
 #include "granular/integrate/integrator.h"
 #include "granular/integrate/small_rotation.h"
 #include "integrate/exact_tops.h"
@@ -149,6 +150,40 @@ TEST(SmallRotation, AgreesWithSineAndCosine) {
     const Vec3 r = angle * Vec3(0.6, -0.48, 0.64);
     const Quat exact(Eigen::AngleAxisd(angle, Vec3(0.6, -0.48, 0.64)));
     EXPECT_LT((rotateByStep(r).coeffs() - exact.coeffs()).norm(), 3e-16) << angle;
+  }
+}
+
+template <int n>
+void expectQuotients(Random& random) {
+  for (int k = 0; k < 100000; ++k) {
+    Wide x;
+    for (std::size_t lane = 0; lane < wideSize; ++lane) x[lane] = std::ldexp(random.uniform(), k % 200 - 150);
+    for (std::size_t lane = 0; lane < wideSize; ++lane) ASSERT_EQ(quotient<n>(x)[lane], x[lane] / n);
+  }
+}
+
+TEST(SmallRotation, DividesInLanesAsAlone) {
+  Random random(7);
+  expectQuotients<6>(random);
+  expectQuotients<12>(random);
+  expectQuotients<20>(random);
+  expectQuotients<30>(random);
+  expectQuotients<42>(random);
+  expectQuotients<56>(random);
+  expectQuotients<72>(random);
+}
+
+TEST(SmallRotation, TurnsFarInLanesAsAlone) {
+  Triple<Wide> r;
+  for (std::size_t k = 0; k < wideSize; ++k) {
+    r.x[k] = k % 2 == 0 ? 0.1 : 0.5 * static_cast<double>(k);
+    r.y[k] = 0.01;
+    r.z[k] = -0.02 * static_cast<double>(k);
+  }
+  const Quadruple<Wide> q = rotateByStep(r);
+  for (std::size_t k = 0; k < wideSize; ++k) {
+    const Quat alone = rotateByStep(Vec3(r.x[k], r.y[k], r.z[k]));
+    EXPECT_EQ(Quat(q.w[k], q.x[k], q.y[k], q.z[k]).coeffs(), alone.coeffs());
   }
 }
 

@@ -1,0 +1,90 @@
+// Rows of three or four numbers, as vectors and quaternions lie in memory, turned into lanes (core/wide.h) and back:
+// wideSize rows at once.
+#pragma once
+
+#include "granular/core/wide.h"
+
+namespace granular {
+
+/// Rows of three numbers, one behind the other.
+inline void loadRows(const double* rows, Triple<Wide>& v) {
+#if defined(__AVX512F__)
+  const Wide a = loadWide(rows), b = loadWide(rows + 8), c = loadWide(rows + 16);
+  v.x = __builtin_shufflevector(__builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, 0, 0), c, 0, 1, 2, 3, 4, 5, 10, 13);
+  v.y = __builtin_shufflevector(__builtin_shufflevector(a, b, 1, 4, 7, 10, 13, 0, 0, 0), c, 0, 1, 2, 3, 4, 8, 11, 14);
+  v.z = __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 5, 8, 11, 14, 0, 0, 0), c, 0, 1, 2, 3, 4, 9, 12, 15);
+#else
+  for (std::size_t k = 0; k < wideSize; ++k) {
+    v.x[k] = rows[3 * k];
+    v.y[k] = rows[3 * k + 1];
+    v.z[k] = rows[3 * k + 2];
+  }
+#endif
+}
+inline void storeRows(const Triple<Wide>& v, double* rows) {
+#if defined(__AVX512F__)
+  const Wide a = __builtin_shufflevector(v.x, v.y, 0, 8, 0, 1, 9, 0, 2, 10);
+  const Wide b = __builtin_shufflevector(v.x, v.y, 0, 3, 11, 0, 4, 12, 0, 5);
+  const Wide c = __builtin_shufflevector(v.x, v.y, 13, 0, 6, 14, 0, 7, 15, 0);
+  storeWide(__builtin_shufflevector(a, v.z, 0, 1, 8, 3, 4, 9, 6, 7), rows);
+  storeWide(__builtin_shufflevector(b, v.z, 10, 1, 2, 11, 4, 5, 12, 7), rows + 8);
+  storeWide(__builtin_shufflevector(c, v.z, 0, 13, 2, 3, 14, 5, 6, 15), rows + 16);
+#else
+  for (std::size_t k = 0; k < wideSize; ++k) {
+    rows[3 * k] = v.x[k];
+    rows[3 * k + 1] = v.y[k];
+    rows[3 * k + 2] = v.z[k];
+  }
+#endif
+}
+
+/// Four numbers of each row; rows begin `stride` numbers apart.
+inline void loadRows(const double* rows, std::size_t stride, Quadruple<Wide>& q) {
+#if defined(__AVX512F__)
+  const auto pick = [&](std::size_t k) {
+    const __m256d low = _mm256_loadu_pd(rows + k * stride);
+    return Wide(_mm512_insertf64x4(_mm512_castpd256_pd512(low), _mm256_loadu_pd(rows + (k + 4) * stride), 1));
+  };
+  const Wide r0 = pick(0), r1 = pick(1), r2 = pick(2), r3 = pick(3);
+  const Wide xz01 = __builtin_shufflevector(r0, r1, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Wide yw01 = __builtin_shufflevector(r0, r1, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Wide xz23 = __builtin_shufflevector(r2, r3, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Wide yw23 = __builtin_shufflevector(r2, r3, 1, 9, 3, 11, 5, 13, 7, 15);
+  q.x = __builtin_shufflevector(xz01, xz23, 0, 1, 8, 9, 4, 5, 12, 13);
+  q.y = __builtin_shufflevector(yw01, yw23, 0, 1, 8, 9, 4, 5, 12, 13);
+  q.z = __builtin_shufflevector(xz01, xz23, 2, 3, 10, 11, 6, 7, 14, 15);
+  q.w = __builtin_shufflevector(yw01, yw23, 2, 3, 10, 11, 6, 7, 14, 15);
+#else
+  for (std::size_t k = 0; k < wideSize; ++k) {
+    q.x[k] = rows[stride * k];
+    q.y[k] = rows[stride * k + 1];
+    q.z[k] = rows[stride * k + 2];
+    q.w[k] = rows[stride * k + 3];
+  }
+#endif
+}
+inline void storeRows(const Quadruple<Wide>& q, std::size_t stride, double* rows) {
+#if defined(__AVX512F__)
+  const Wide xyEven = __builtin_shufflevector(q.x, q.y, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Wide xyOdd = __builtin_shufflevector(q.x, q.y, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Wide zwEven = __builtin_shufflevector(q.z, q.w, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Wide zwOdd = __builtin_shufflevector(q.z, q.w, 1, 9, 3, 11, 5, 13, 7, 15);
+  const auto put = [&](std::size_t k, const Wide& two) {
+    _mm256_storeu_pd(rows + k * stride, _mm512_castpd512_pd256(two));
+    _mm256_storeu_pd(rows + (k + 2) * stride, _mm512_extractf64x4_pd(two, 1));
+  };
+  put(0, __builtin_shufflevector(xyEven, zwEven, 0, 1, 8, 9, 2, 3, 10, 11));
+  put(1, __builtin_shufflevector(xyOdd, zwOdd, 0, 1, 8, 9, 2, 3, 10, 11));
+  put(4, __builtin_shufflevector(xyEven, zwEven, 4, 5, 12, 13, 6, 7, 14, 15));
+  put(5, __builtin_shufflevector(xyOdd, zwOdd, 4, 5, 12, 13, 6, 7, 14, 15));
+#else
+  for (std::size_t k = 0; k < wideSize; ++k) {
+    rows[stride * k] = q.x[k];
+    rows[stride * k + 1] = q.y[k];
+    rows[stride * k + 2] = q.z[k];
+    rows[stride * k + 3] = q.w[k];
+  }
+#endif
+}
+
+}  // namespace granular
