@@ -11,21 +11,36 @@ namespace {
 
 static_assert(sizeof(btScalar) == 8, "Bullet must be the double-precision build");
 
+/// By which the tree's boxes are grown, over their length: a box that moves within costs nothing. Bullet's own margin
+/// does not serve, because it is the same for large and small bodies.
+constexpr double looseness = 0.02;
+
+bool contains(const Aabb& outer, const Aabb& inner) {
+  return (outer.lo.array() <= inner.lo.array()).all() && (inner.hi.array() <= outer.hi.array()).all();
+}
+
 class BulletBroadPhase final : public BroadPhase {
  public:
   explicit BulletBroadPhase(double unitLength) : scale(1 / unitLength) {}
   ~BulletBroadPhase() override { clear(); }
 
   void place(std::size_t k, const Aabb& box) override {
-    const btVector3 lo = scaled(box.lo);
-    const btVector3 hi = scaled(box.hi);
-    if (k < boxes.size()) {
+    const bool known = k < boxes.size();
+    if (known) {
       boxes[k] = box;
+      if (contains(inTree[k], box)) return;
+    }
+    const Aabb loose = box.grown(looseness * (box.hi - box.lo).maxCoeff());
+    const btVector3 lo = scaled(loose.lo);
+    const btVector3 hi = scaled(loose.hi);
+    if (known) {
+      inTree[k] = loose;
       tree->setAabb(proxies[k], lo, hi, nullptr);
       return;
     }
     assert(k == boxes.size());
     boxes.push_back(box);
+    inTree.push_back(loose);
     // Any shape type does: the tree reads only the box. The index travels in the group's stead, as the user pointer.
     proxies.push_back(tree->createProxy(lo, hi, 0, reinterpret_cast<void*>(k), 1, 1, nullptr));
   }
@@ -33,6 +48,7 @@ class BulletBroadPhase final : public BroadPhase {
   void clear() override {
     for (btBroadphaseProxy* proxy : proxies) tree->destroyProxy(proxy, nullptr);
     boxes.clear();
+    inTree.clear();
     proxies.clear();
     cache = std::make_unique<btHashedOverlappingPairCache>();
     tree = std::make_unique<btDbvtBroadphase>(cache.get());
@@ -55,6 +71,7 @@ class BulletBroadPhase final : public BroadPhase {
 
   double scale;
   std::vector<Aabb> boxes;
+  std::vector<Aabb> inTree;                 // loose boxes around them, which the tree holds until they are left
   std::vector<btBroadphaseProxy*> proxies;  // freed by destroyProxy alone
   std::unique_ptr<btHashedOverlappingPairCache> cache = std::make_unique<btHashedOverlappingPairCache>();
   std::unique_ptr<btDbvtBroadphase> tree = std::make_unique<btDbvtBroadphase>(cache.get());
