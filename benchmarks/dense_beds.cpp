@@ -52,8 +52,9 @@ struct Family {
 
 const std::vector<Family>& families() {
   const auto spheres = [](std::uint64_t) { return ShapeSet{std::make_shared<Sphere>(diameter / 2)}; };
+  const auto cubes = [](std::uint64_t) { return ShapeSet{std::make_shared<Cuboid>(Vec3::Constant(diameter / 2))}; };
   static const std::vector<Family> all = {
-      {"cubes", [](std::uint64_t) { return ShapeSet{std::make_shared<Cuboid>(Vec3::Constant(diameter / 2))}; }, 0.58},
+      {"cubes", cubes, 0.58},
       {"spheres", spheres, 0.6},
       {"ellipsoids", [](std::uint64_t) { return ShapeSet{std::make_shared<Ellipsoid>(Vec3(1.5e-3, 1.5e-3, 3e-3))}; },
        0.62},
@@ -66,6 +67,7 @@ const std::vector<Family>& families() {
       {"clumps17", [](std::uint64_t) { return makeChain(17); }, 0.58},
       {"resting", spheres, 0.6},
       {"free_fall", spheres, 0.05},
+      {"free_fall_cubes", cubes, 0.05},
       {"hopper", spheres, 0.5},
   };
   return all;
@@ -239,7 +241,7 @@ std::unique_ptr<World> makeBed(const BedSettings& settings) {
   const auto family = std::find_if(families().begin(), families().end(), isAsked);
   require(family != families().end(), "unknown scene \"" + settings.scene + "\"");
   require(settings.count >= 1, "count = " + std::to_string(settings.count) + ": must be >= 1");
-  if (family->scene == "free_fall") return makeFreeFall(*family, settings);
+  if (family->scene.starts_with("free_fall")) return makeFreeFall(*family, settings);
   if (family->scene == "hopper") return makeHopper(*family, settings);
   constexpr double mostInPatch = 2000;
   const int repeats = static_cast<int>(std::ceil(std::sqrt(settings.count / mostInPatch)));
