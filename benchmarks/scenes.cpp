@@ -186,8 +186,7 @@ int parseAndRun(int argc, char** argv) {
   app.add_option("--rule", settings.rule, "contact-point rule");
   app.add_option("--law", settings.law, "linear, linear_local or tensor");
   app.add_option("--skip", settings.skip, "all or none")->check(CLI::IsMember({"all", "none"}));
-  app.add_flag("--no-batches", settings.bed.options.noBatches,
-               "work on spheres, ellipsoids and moving bodies one by one too");
+  app.add_flag("--no-batches", settings.bed.options.noBatches, "work on every body, pair and contact one by one");
   app.add_option("--threads", settings.threads, "OpenMP threads")->check(CLI::PositiveNumber);
   app.add_option("--relax", settings.relax, "steps before the clock starts")->check(CLI::NonNegativeNumber);
   app.add_option("--steps", settings.steps, "steps timed, in each repeat")->check(CLI::PositiveNumber);

@@ -31,6 +31,8 @@ inline Wide loadWide(const double* from) {
   return wide;
 }
 inline void storeWide(const Wide& wide, double* to) { std::memcpy(to, &wide, sizeof wide); }
+/// The same number in every lane.
+inline Wide spread(double x) { return x - Wide{}; }
 
 inline double squareRoot(double x) { return std::sqrt(x); }
 inline Wide squareRoot(const Wide& x) {
@@ -52,22 +54,26 @@ using Mask = decltype(Real{} < Real{});
 inline double choose(bool first, double a, double b) { return first ? a : b; }
 inline Wide choose(const Mask<Wide>& first, const Wide& a, const Wide& b) { return first ? a : b; }
 
+/// std::min and std::max, to the bit.
 template <class Real>
 Real smaller(const Real& a, const Real& b) {
-  return choose(a < b, a, b);
+  return choose(b < a, b, a);
 }
 template <class Real>
 Real larger(const Real& a, const Real& b) {
-  return choose(a > b, a, b);
+  return choose(a < b, b, a);
 }
 template <class Real>
 Real bounded(const Real& x, const Real& low, const Real& high) {
   return smaller(larger(x, low), high);
 }
-template <class Real>
-Real magnitude(const Real& x) {
-  return choose(x < 0, Real(-x), x);
+/// std::copysign, and std::abs.
+inline Wide copySign(const Wide& size, const Wide& sign) {
+  const Mask<Wide> signBit = Mask<Wide>{} + std::numeric_limits<std::int64_t>::min();
+  return (Wide)(((Mask<Wide>)size & ~signBit) | ((Mask<Wide>)sign & signBit));
 }
+inline double magnitude(double x) { return std::abs(x); }
+inline Wide magnitude(const Wide& x) { return copySign(x, Wide{}); }
 /// 1, or -1 below 0.
 template <class Real>
 Real signOf(const Real& x) {
@@ -79,22 +85,19 @@ inline bool either(bool a, bool b) { return a || b; }
 inline Mask<Wide> both(const Mask<Wide>& a, const Mask<Wide>& b) { return a & b; }
 inline Mask<Wide> either(const Mask<Wide>& a, const Mask<Wide>& b) { return a | b; }
 
-inline bool isTrueForAny(bool mask) { return mask; }
-inline bool isTrueForAll(bool mask) { return mask; }
-inline bool isTrueForAny(const Mask<Wide>& mask) {
-  std::int64_t any = 0;
-  for (std::size_t k = 0; k < wideSize; ++k) any |= mask[k];
-  return any != 0;
-}
-inline bool isTrueForAll(const Mask<Wide>& mask) {
+/// True if it holds in any lane, in all lanes.
+inline bool any(bool mask) { return mask; }
+inline bool all(bool mask) { return mask; }
+inline bool any(const Mask<Wide>& mask) {
 #if defined(__AVX512F__)
-  return _mm512_test_epi64_mask(reinterpret_cast<__m512i>(mask), reinterpret_cast<__m512i>(mask)) == 0xff;
+  return _mm512_test_epi64_mask((__m512i)mask, (__m512i)mask) != 0;
 #else
-  std::int64_t all = -1;
-  for (std::size_t k = 0; k < wideSize; ++k) all &= mask[k];
-  return all != 0;
+  std::int64_t found = 0;
+  for (std::size_t k = 0; k < wideSize; ++k) found |= mask[k];
+  return found != 0;
 #endif
 }
+inline bool all(const Mask<Wide>& mask) { return !any(~mask); }
 
 /// A vector in space of such numbers.
 template <class Real>
@@ -111,12 +114,11 @@ struct Triple {
   Real norm() const { return squareRoot(dot(*this)); }
 };
 
-template <class Real>
-Triple<Real> operator*(const Real& s, const Triple<Real>& v) {
+/// Scalar: Real, or a number that all lanes share.
+template <class Scalar, class Real>
+Triple<Real> operator*(const Scalar& s, const Triple<Real>& v) {
   return {s * v.x, s * v.y, s * v.z};
 }
-/// One factor for all.
-inline Triple<Wide> operator*(double s, const Triple<Wide>& v) { return {s * v.x, s * v.y, s * v.z}; }
 template <class Real>
 Triple<Real> unit(const Triple<Real>& v) {
   return Real(1 / v.norm()) * v;
@@ -149,6 +151,27 @@ struct Quadruple {
     const Real wx = tx * w, wy = ty * w, wz = tz * w, xx = tx * x, xy = ty * x, xz = tz * x;
     const Real yy = ty * y, yz = tz * y, zz = tz * z;
     return {{{1 - (yy + zz), xy + wz, xz - wy}, {xy - wz, 1 - (xx + zz), yz + wx}, {xz + wy, yz - wx, 1 - (xx + yy)}}};
+  }
+};
+
+/// Quantities of several pairs or contacts in memory, side by side.
+template <std::size_t size>
+struct TripleLanes {
+  alignas(64) double x[size], y[size], z[size];
+
+  void put(std::size_t k, const Vec3& v) { put(k, Triple<double>{v.x(), v.y(), v.z()}); }
+  void put(std::size_t k, const Triple<double>& v) {
+    x[k] = v.x;
+    y[k] = v.y;
+    z[k] = v.z;
+  }
+  Triple<double> at(std::size_t k) const { return {x[k], y[k], z[k]}; }
+  Vec3 take(std::size_t k) const { return {x[k], y[k], z[k]}; }
+  Triple<Wide> load(std::size_t k) const { return {loadWide(x + k), loadWide(y + k), loadWide(z + k)}; }
+  void store(std::size_t k, const Triple<Wide>& v) {
+    storeWide(v.x, x + k);
+    storeWide(v.y, y + k);
+    storeWide(v.z, z + k);
   }
 };
 

@@ -8,6 +8,7 @@
 #include "granular/law/account.h"
 #include "granular/law/hertz.h"
 #include "granular/law/linear.h"
+#include "granular/law/linear_lanes.h"
 #include "granular/law/tensor.h"
 
 namespace granular {
@@ -41,6 +42,7 @@ struct LawRow {
   Law function;
   StiffnessFinder stiffness;
   Accountant account;
+  LawInLanes inLanes = nullptr;  ///< as long as it does not read the bodies' inertia; null: one by one only
   bool readsInertia = false;
   bool readsCurvature = false;
   /// What the law does to the history before it looks at it; null: nothing.
@@ -49,14 +51,15 @@ struct LawRow {
 
 // The table of laws: one row per law, in the order of LawKind.
 constexpr std::array<LawRow, 5> laws = {{
-    {LawKind::linear, "linear", applyLinearLaw, findAnywhere<findLinearStiffness>, accountSprings<findLinearStiffness>},
+    {LawKind::linear, "linear", applyLinearLaw, findAnywhere<findLinearStiffness>, accountSprings<findLinearStiffness>,
+     applyLinearLawInLanes},
     {LawKind::linearLocal, "linear_local", applyLinearLocalLaw, findAnywhere<findLocalStiffness>,
-     accountSprings<findLocalStiffness>, true},
-    {LawKind::tensor, "tensor", applyTensorLaw, findAnywhere<summariseTensorStiffness>, accountTensor, true},
-    {LawKind::hertz, "hertz", applyHertzLaw, findSlope<findHertzStiffness>, accountHertz<findHertzStiffness>, false,
-     true},
+     accountSprings<findLocalStiffness>, nullptr, true},
+    {LawKind::tensor, "tensor", applyTensorLaw, findAnywhere<summariseTensorStiffness>, accountTensor, nullptr, true},
+    {LawKind::hertz, "hertz", applyHertzLaw, findSlope<findHertzStiffness>, accountHertz<findHertzStiffness>, nullptr,
+     false, true},
     {LawKind::hertzMindlin, "hertz_mindlin", applyHertzMindlinLaw, findSlope<findMindlinStiffness>,
-     accountHertz<findMindlinStiffness>, false, true, shortenGrownSpring},
+     accountHertz<findMindlinStiffness>, nullptr, false, true, shortenGrownSpring},
 }};
 
 const LawRow& rowOf(LawKind kind) { return laws[static_cast<std::size_t>(kind)]; }
@@ -144,6 +147,10 @@ Law lawFunction(LawKind kind) { return rowOf(kind).function; }
 std::string_view lawName(LawKind kind) { return rowOf(kind).name; }
 
 bool lawReadsInertia(LawKind kind, const LawOptions& options) { return rowOf(kind).readsInertia || options.localMass; }
+
+LawInLanes lawInLanes(LawKind kind, const LawOptions& options) {
+  return lawReadsInertia(kind, options) ? nullptr : rowOf(kind).inLanes;
+}
 
 bool lawReadsCurvature(LawKind kind) { return rowOf(kind).readsCurvature; }
 

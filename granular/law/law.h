@@ -9,6 +9,8 @@
 
 namespace granular {
 
+struct ContactLanes;
+
 /// Parameters of a pair of materials (S section 6). k_n in N/m; restitution in (0, 1]; friction >= 0.
 struct ContactParameters {
   double stiffness = 1e4;     ///< k_n; not read by hertz and hertz_mindlin
@@ -104,6 +106,10 @@ using Law = void (*)(const LawConstants&, const LawOptions&, const ContactBody& 
                      const ContactMotion&, ContactHistory&, ContactForce&);
 /// The table of laws; one row per law.
 Law lawFunction(LawKind kind);
+/// The same law of contacts side by side, to the same bits (contact_lanes.h).
+using LawInLanes = void (*)(const LawOptions&, ContactLanes&);
+/// Null for a law, or for options, that go one by one only.
+LawInLanes lawInLanes(LawKind kind, const LawOptions& options);
 /// Names as scene files spell them: "linear", "linear_local", "tensor", "hertz", "hertz_mindlin". Throws InputError for
 /// any other.
 LawKind lawFromName(std::string_view name);

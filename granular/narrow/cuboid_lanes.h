@@ -129,7 +129,7 @@ FaceLook<Real> lookAtFace(const CuboidPair<Real>& p) {
   look.holds = both(clear, margin >= -p.tie);
   const Real across = squareRoot(Real(centre.x * centre.x + centre.y * centre.y));
   look.proven = isGlobalInLanes(look.depth, larger(margin, Real{}), centre.z, across, p.inner);
-  if (!isTrueForAll(look.proven)) {
+  if (!all(look.proven)) {
     look.proven = either(look.proven, isLeastOfAllAxes(p, look.axes, centre, look.depth, false));
   }
 
@@ -189,7 +189,7 @@ EdgeLook<Real> lookAtEdges(const CuboidPair<Real>& p) {
   look.holds = both(crosses, margin >= -p.tie);
   const Real across = squareRoot(Real(away.x * away.x + away.y * away.y));
   look.proven = isGlobalInLanes(look.depth, larger(margin, Real{}), away.z, across, p.inner);
-  if (!isTrueForAll(look.proven)) {
+  if (!all(look.proven)) {
     look.proven = either(look.proven, isLeastOfAllAxes(p, {edge, other1, other2}, centre, look.depth, true));
   }
 

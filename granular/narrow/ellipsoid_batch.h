@@ -19,22 +19,18 @@ class EllipsoidBatch {
   void run();
   const EllipsoidLook& look(std::size_t k) const { return looks[k]; }
   NewtonAnswer<double> answer(std::size_t k) const {
-    return {take(normal, k), take(onA, k), take(onB, k), depth[k], converged[k] != 0};
+    return {normal.at(k), onA.at(k), onB.at(k), depth[k], converged[k] != 0};
   }
   void clear() { count = 0; }
 
  private:
   using Lane = std::array<double, capacity>;
-  struct Lanes {
-    Lane x, y, z;
-  };
-  static Triple<double> take(const Lanes& lanes, std::size_t k) { return {lanes.x[k], lanes.y[k], lanes.z[k]}; }
+  using Lanes = TripleLanes<capacity>;
 
   std::size_t count = 0;
   std::array<EllipsoidLook, capacity> looks;
   // In.
-  alignas(64) Lanes axesA;
-  Lanes axesB, column0, column1, column2, x, start;
+  Lanes axesA, axesB, column0, column1, column2, x, start;
   Lane ratio, roundOff;
   // Out.
   Lanes normal, onA, onB;

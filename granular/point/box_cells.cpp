@@ -35,7 +35,7 @@ class Outline {
       valueTo[k] = side(pieces[k].to, pieces[k].depthTo);
       beyond = either(beyond, valueFrom[k] < 0);
     }
-    if (!isTrueForAny(beyond)) return;
+    if (!any(beyond)) return;
 
     Piece closing{};
     for (std::size_t k = 0; k < count; ++k) {

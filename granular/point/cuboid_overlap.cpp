@@ -150,7 +150,7 @@ void beginOverlap(const FaceLook<Wide>& look, const Mask<Wide>& chosen, Overlaps
   store(fan, sums);
   if (overlaps.triangles.isWanted()) addPowers(tips, tipsX, tipsY, overlaps.triangles.exponent(), sums);
   for (std::size_t j = 0; j < 3; ++j) {
-    if (!isTrueForAny(beyond[j])) continue;
+    if (!any(beyond[j])) continue;
     const Triple<Wide>&e = look.edges[j == 2 ? 0 : j + 1], &f = look.edges[j == 0 ? 2 : j - 1];
     const Place rise = riseOf(look, j);
     overlaps.cells.add(
@@ -193,7 +193,7 @@ void beginOverlap(const EdgeLook<Wide>& look, const Mask<Wide>& chosen, Overlaps
               sums);
   }
   for (std::size_t q = 0; q < 4; ++q) {
-    if (!isTrueForAny(beyond[q])) continue;
+    if (!any(beyond[q])) continue;
     const Triple<Wide>&down = look.down[q / 2], &up = look.up[q % 2];
     const Place rise = riseOf(look, q % 2);
     const Wide length = look.high - look.low;

@@ -2,12 +2,16 @@
 #include "granular/body/lanes.h"
 #include "granular/core/share_out.h"
 #include "granular/world/contact_radius.h"
+#include "granular/world/law_batch.h"
 #include "granular/world/stages.h"
 
 namespace granular {
 namespace {
 
 std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+
+/// How many contacts ahead of the one that is looked at.
+constexpr std::size_t farAhead = 8;
 
 /// Keeps the history of the spots that still touch, in the order of the pair's contacts, which begin at `first`; new
 /// spots start at zero.
@@ -106,11 +110,15 @@ std::vector<SpotHistory>& spotsOf(World& world, const Contact& contact) {
   return contact.spot.ofClump() ? memory.clumps[slot].spots : memory.manifolds[slot].spots;
 }
 
+/// True if a pair may have several contacts like this one.
+bool keepsSpots(const World& world, const Contact& contact) {
+  return contact.b < 0 || contact.spot.ofClump() || world.options.rule.rule == PointRule::manifold;
+}
+
 /// The history of contact k of a chunk. firstOfPair: index of the first contact of its pair, kept from call to call.
 ContactHistory& findHistory(World& world, const World::Chunk& chunk, std::size_t k, std::size_t& firstOfPair) {
   const Contact& contact = chunk.contacts[k];
-  const bool alone = contact.b >= 0 && !contact.spot.ofClump() && world.options.rule.rule != PointRule::manifold;
-  if (alone) return world.pairs.memory.history[at(world.pairs.pairs[at(contact.pair)].slot)];
+  if (!keepsSpots(world, contact)) return world.pairs.memory.history[at(world.pairs.pairs[at(contact.pair)].slot)];
   auto& spots = spotsOf(world, contact);
   if (k == 0 || chunk.contacts[k - 1].pair != contact.pair) {
     firstOfPair = k;
@@ -119,8 +127,32 @@ ContactHistory& findHistory(World& world, const World::Chunk& chunk, std::size_t
   return spots[k - firstOfPair].history;
 }
 
-/// The law of every contact of a chunk. With a ledger each answer is accounted for as well; the forces are the same
-/// bits.
+/// Starts to bring into the cache which spots the pair of a contact has: they are compared before its history is asked
+/// for.
+void fetchSpots(World& world, const Contact& contact) {
+  if (keepsSpots(world, contact)) __builtin_prefetch(spotsOf(world, contact).data());
+}
+
+/// The law for many contacts at once, or null where they go one by one.
+LawInLanes chooseLanes(const WorldOptions& options) {
+  return options.noBatches || options.energy ? nullptr : lawInLanes(options.law, options.lawOptions);
+}
+
+/// The law of every contact of a chunk, many at once.
+void applyLawInLanes(double dt, LawInLanes law, World::Chunk& chunk, World& world) {
+  thread_local LawBatch batch;
+  batch.begin(dt, law, world);
+  chunk.pulls.resize(chunk.contacts.size());
+  std::size_t firstOfPair = 0;
+  for (std::size_t k = 0; k < chunk.contacts.size(); ++k) {
+    if (k + farAhead < chunk.contacts.size()) fetchSpots(world, chunk.contacts[k + farAhead]);
+    batch.add(chunk.contacts[k], findHistory(world, chunk, k, firstOfPair), chunk.pulls[k]);
+  }
+  batch.finish();
+}
+
+/// The law of every contact of a chunk, one by one. With a ledger each answer is accounted for as well; the forces are
+/// the same bits.
 template <bool keepsLedger>
 void applyLaw(double dt, World::Chunk& chunk, World& world) {
   const WorldOptions& options = world.options;
@@ -243,6 +275,7 @@ void sumByContacts(World& world) {
 
 void applyForceLaws(double dt, std::size_t c, World& world) {
   World::Chunk& chunk = world.chunks[c];
+  if (const LawInLanes law = chooseLanes(world.options)) return applyLawInLanes(dt, law, chunk, world);
   world.options.energy ? applyLaw<true>(dt, chunk, world) : applyLaw<false>(dt, chunk, world);
 }
 

@@ -36,7 +36,7 @@ struct WorldOptions {
   Periods periods;
   double skin = 0.1;        ///< of the search, in equal-volume radii
   bool bruteForce = false;  ///< the oracle of the broad phase
-  bool noBatches = false;   ///< every pair and body by itself: the oracle of what is worked on in batches
+  bool noBatches = false;   ///< every body, pair and contact by itself: the oracle of what is worked on in batches
   Skips skips;
   SleepOptions sleep;
   double expectedOverlap = 0.02;  ///< largest, over the size: for the time step where stiffness grows with overlap

@@ -1,10 +1,13 @@
-// Contacts of spheres and cuboids made in batches, and ellipsoids looked at in batches, against one by one.
+// Contacts of spheres and cuboids made in batches, ellipsoids looked at in batches, and the law in lanes, against one
+// by one.
 #include <gtest/gtest.h>
 #include <omp.h>
 
 #include "granular/point/cuboid_overlap.h"
 #include "granular/point/overlap.h"
 #include "granular/point/rules.h"
+#include "granular/shape/clump.h"
+#include "granular/shape/cylinder.h"
 #include "granular/shape/ellipsoid.h"
 #include "granular/shape/polyhedron.h"
 #include "granular/shape/sphere.h"
@@ -263,6 +266,117 @@ std::vector<Case> boxCases() {
 }
 
 INSTANTIATE_TEST_SUITE_P(World, Cuboids, ::testing::ValuesIn(boxCases()),
+                         [](const auto& info) { return info.param.name; });
+
+/// Bodies that fall together between walls, one of which shakes; three materials, one frictionless, one without
+/// damping.
+std::unique_ptr<World> makeGrains(const WorldOptions& options,
+                                  const std::vector<std::shared_ptr<const Shape>>& shapes) {
+  MaterialTable materials;
+  materials.add("rough", {1e4, .8, .6, .4});
+  materials.add("slick", {2e4, .5, .6, 0});
+  materials.add("lively", {1e4, 1, 1, .2});
+  WorldOptions heavy = options;
+  heavy.gravity = Vec3(0, 0, -100);  // so that they are together soon
+  auto world = std::make_unique<World>(heavy, std::move(materials));
+  const double pitch = 2.7e-3;
+  const int perSide = 5;
+  testing::addBoxOfPlanes(0.5 * pitch * perSide, *world);
+  WallPath path;
+  path.amplitude = Vec3(1e-4, 0, 1e-5);
+  path.frequency = 300;
+  path.spin = Vec3(0, 0, 20);
+  world->walls.front() = makeMovingWall(std::move(world->walls.front()), path, {});
+  world->walls.front()->material = 2;
+  std::vector<std::int32_t> kinds;
+  for (const auto& shape : shapes) kinds.push_back(world->addShape(shape));
+  testing::addLattice(kinds, perSide, pitch, 100, *world);
+  for (std::size_t i = 0; i < world->bodies.size(); ++i) world->bodies.material[i] = std::int32_t(i % 7 % 3);
+  return world;
+}
+
+struct Grains {
+  const char* name;
+  std::vector<std::shared_ptr<const Shape>> shapes;
+  WorldOptions options;
+  enum { none, some, all } areas;  ///< which contacts have a patch
+};
+void PrintTo(const Grains& grains, std::ostream* out) { *out << grains.name; }
+
+class Contacts : public ::testing::TestWithParam<Grains> {};
+
+TEST_P(Contacts, PressedInLanesHaveTheSameBitsAsOneByOne) {
+  std::unique_ptr<World> worlds[2];
+  for (const bool oneByOne : {false, true}) {
+    WorldOptions options = GetParam().options;
+    options.noBatches = oneByOne;
+    worlds[oneByOne] = makeGrains(options, GetParam().shapes);
+    startHalfSteps(*worlds[oneByOne], 5e-6, 0, true);
+  }
+  std::size_t contacts = 0, sliding = 0, areas = 0, atWalls = 0;
+  for (int n = 0; n < 2000; ++n) {
+    for (auto& world : worlds) step(*world, 5e-6);
+    ASSERT_TRUE(isSameBits(stateOf(*worlds[0]), stateOf(*worlds[1]))) << "step " << n;
+    if (n % 20 != 0) continue;
+    ASSERT_TRUE(isSameBits(contactsOf(*worlds[0]), contactsOf(*worlds[1]))) << "step " << n;
+    worlds[0]->visitContacts([&](const Contact& contact) {
+      ++contacts;
+      sliding += contact.force.sliding;
+      areas += contact.patch.area > 0;
+      atWalls += contact.b < 0;
+    });
+  }
+  EXPECT_GT(atWalls, 300u);
+  EXPECT_GT(contacts, atWalls + 500);
+  EXPECT_GT(sliding, 100u);
+  EXPECT_LT(sliding, contacts);
+  EXPECT_EQ(areas > 100, GetParam().areas != Grains::none);
+  EXPECT_EQ(areas == contacts, GetParam().areas == Grains::all);
+}
+
+std::vector<Grains> grains() {
+  // A polyhedron, whose contacts are found one by one either way: those of cuboids agree to round-off only.
+  std::vector<Vec3> corners;
+  for (int k = 0; k < 8; ++k) corners.push_back(1.1e-3 * Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
+  const auto cube = std::make_shared<Polyhedron>(corners);
+  const auto cylinder = std::make_shared<Cylinder>(1.1e-3, 2e-3);
+  const auto ellipsoid = std::make_shared<Ellipsoid>(Vec3(1e-3, 1.2e-3, 1.5e-3));
+  const auto clump = std::make_shared<Clump>(
+      std::vector<ChildSphere>{{Vec3(-.6e-3, 0, 0), .9e-3}, {Vec3(.6e-3, 0, 0), .9e-3}, {Vec3(0, .7e-3, 0), .8e-3}});
+  const auto sphere = std::make_shared<Sphere>(1.3e-3);
+  const auto withRule = [](PointRule rule) {
+    WorldOptions options;
+    options.rule.rule = rule;
+    return options;
+  };
+  std::vector<Grains> all = {
+      {"CubesPatch", {cube}, withRule(PointRule::patch), Grains::all},
+      {"CubesStiffPatch", {cube}, withRule(PointRule::stiffPatch), Grains::all},
+      {"CubesPressureCentroid", {cube}, withRule(PointRule::pressureCentroid), Grains::none},
+      {"CubesWitness", {cube}, withRule(PointRule::witness), Grains::none},
+      {"CubesFoundation", {cube}, withRule(PointRule::foundation), Grains::all},
+      {"CubesManifold", {cube}, withRule(PointRule::manifold), Grains::none},
+      {"Cylinders", {cylinder}, withRule(PointRule::patch), Grains::some},
+      {"Ellipsoids", {ellipsoid}, withRule(PointRule::patch), Grains::none},
+      {"Clumps", {clump}, withRule(PointRule::patch), Grains::none},
+      {"Mixed", {cube, clump, ellipsoid, sphere, cylinder}, {}, Grains::some},
+      {"MixedWithoutTension", {cube, clump, ellipsoid, sphere, cylinder}, {}, Grains::some},
+      {"MixedSlidingAlongTheVelocity", {cube, clump, ellipsoid, sphere, cylinder}, {}, Grains::some},
+      {"MixedFallingAsleep", {cube, clump, ellipsoid, sphere, cylinder}, {}, Grains::some},
+  };
+  all[10].options.lawOptions.tension = false;
+  all[10].options.lawOptions.frictionOfPush = true;
+  all[11].options.lawOptions.slideAlongVelocity = true;
+  SleepOptions& sleep = all[12].options.sleep;
+  sleep.on = true;
+  sleep.time = 1e-3;
+  sleep.energy = 1;
+  sleep.balance = 1e3;
+  sleep.wake = 1;
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(World, Contacts, ::testing::ValuesIn(grains()),
                          [](const auto& info) { return info.param.name; });
 
 /// With one thread forces are added contact by contact, with several body by body.
