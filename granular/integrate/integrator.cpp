@@ -4,6 +4,7 @@
 #include <string>
 
 #include "granular/core/errors.h"
+#include "granular/core/open_table.h"
 #include "granular/integrate/seelen.h"
 #include "granular/integrate/spiral.h"
 
@@ -43,27 +44,29 @@ void advance(double dt, const Vec3& inertia, const Vec3& inverseInertia, const V
 }
 
 template <class Scheme>
-constexpr RotationScheme rowOf(SchemeKind kind, std::string_view name) {
-  return {kind, name, start<Scheme>, predict<Scheme>, advance<Scheme>};
+constexpr RotationScheme rowOf(std::string_view name) {
+  return {name, start<Scheme>, predict<Scheme>, advance<Scheme>};
 }
 
 // The table of schemes: one row per scheme, in the order of SchemeKind.
-constexpr std::array<RotationScheme, 2> schemes = {{
-    rowOf<Seelen>(SchemeKind::seelen, "seelen"),
-    rowOf<Spiral>(SchemeKind::spiral, "spiral"),
+constexpr std::array<RotationScheme, 2> ownSchemes = {{
+    rowOf<Seelen>("seelen"),
+    rowOf<Spiral>("spiral"),
 }};
+constinit OpenTable<RotationScheme, SchemeKind> schemes("integration scheme", ownSchemes);
 
 }  // namespace
 
-const RotationScheme& rotationScheme(SchemeKind kind) { return schemes[static_cast<std::size_t>(kind)]; }
+const RotationScheme& rotationScheme(SchemeKind kind) { return schemes[kind]; }
 
-SchemeKind schemeFromName(std::string_view name) {
-  for (const RotationScheme& row : schemes) {
-    if (row.name == name) return row.kind;
-  }
-  std::string known;
-  for (const RotationScheme& row : schemes) known += " \"" + std::string(row.name) + "\"";
-  throw InputError("unknown integration scheme \"" + std::string(name) + "\"; known:" + known);
+SchemeKind schemeFromName(std::string_view name) { return schemes.find(name); }
+
+std::vector<std::string_view> schemeNames() { return schemes.names(); }
+
+SchemeKind addScheme(const RotationScheme& row) {
+  require(row.start && row.predict && row.advance, "integration scheme \"" + std::string(row.name) +
+                                                       "\": its row needs the functions start, predict and advance");
+  return schemes.add(row);
 }
 
 }  // namespace granular

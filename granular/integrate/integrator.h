@@ -3,10 +3,12 @@
 // advance (-> memory of the next half step). Every scheme must be started from (x_0, v_0, q_0, w_0): without the half
 // step it falls to first order. A change of dt is a new start from the state at t_n; single pairs are never
 // sub-stepped. A scheme of rotation is a struct in a header of its own (seelen.h, spiral.h); the table serves those who
-// choose at run time, one body at a time.
+// choose at run time, one body at a time, and takes schemes that a program adds (addScheme;
+// examples/extend/midpoint_scheme.h).
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "granular/core/math.h"
 
@@ -48,21 +50,28 @@ struct RotationMemory {
 /// One row of the table. Inertia: principal moments, kg m^2; inverseInertia 0 for a fixed body; torque and w in world
 /// axes.
 struct RotationScheme {
-  SchemeKind kind;
-  std::string_view name;
+  std::string_view name;  ///< as scene files spell it; a literal
   /// Memory of the first half step from the state and torque at t_0.
   void (*start)(double dt, const Vec3& inertia, const Vec3& inverseInertia, const Vec3& torque, const Quat& q,
-                const Vec3& w, RotationMemory memory);
+                const Vec3& w, RotationMemory memory) = nullptr;
   /// Orientation and predicted angular velocity (world axes) at t_{n+1}.
-  void (*predict)(double dt, const Quat& qHalf, const Vec3& wHalf, const Vec3& alpha, Quat& q, Vec3& w);
+  void (*predict)(double dt, const Quat& qHalf, const Vec3& wHalf, const Vec3& alpha, Quat& q, Vec3& w) = nullptr;
   /// Memory of the next half step; q and w as predict left them, torque at t_{n+1}.
   void (*advance)(double dt, const Vec3& inertia, const Vec3& inverseInertia, const Vec3& torque, const Quat& q,
-                  const Vec3& w, RotationMemory memory);
+                  const Vec3& w, RotationMemory memory) = nullptr;
 };
 
 const RotationScheme& rotationScheme(SchemeKind kind);
 
-/// Names as scene files spell them: "seelen", "spiral". Throws InputError for any other.
+/// Names as scene files spell them: "seelen", "spiral", and those of schemes that were added. Throws InputError for any
+/// other.
 SchemeKind schemeFromName(std::string_view name);
+/// All of them, in the order of the table.
+std::vector<std::string_view> schemeNames();
+
+/// Adds a scheme of rotation of the user's own: from then on scenes and WorldOptions may choose it. Call it once,
+/// before anything else reads the table. Throws InputError where the name is empty or taken, a function is missing, or
+/// the table is full.
+SchemeKind addScheme(const RotationScheme& row);
 
 }  // namespace granular

@@ -48,7 +48,7 @@ Quadruple<Real> rotateByStep(const Triple<Real>& r) {
   const Real c = 1 - 0.5 * t * (1 - quotient<12>(t) * (1 - quotient<30>(t) * (1 - quotient<56>(t))));
   Quadruple<Real> q{s * r.x, s * r.y, s * r.z, c};
   const Mask<Real> near = t <= 0.01 + Real{};
-  if (!isTrueForAll(near)) rotateFar(r, near, q);
+  if (!all(near)) rotateFar(r, near, q);
   return q;
 }
 inline Quat rotateByStep(const Vec3& r) { return toQuat(rotateByStep(toTriple(r))); }

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "granular/integrate/integrator.h"
+#include "granular/point/contact_point.h"
+
 namespace granular {
 namespace {
 
@@ -23,12 +26,8 @@ constexpr std::string_view directions[] = {"x", "y", "z"};
 constexpr std::string_view wallKinds[] = {"plane", "cylinder", "mesh"};
 constexpr std::string_view frictionLimits[] = {"total", "push"};
 constexpr std::string_view contactMasses[] = {"reduced", "local"};
-constexpr std::string_view laws[] = {"linear", "linear_local", "tensor", "hertz", "hertz_mindlin"};
 constexpr std::string_view springLaws = "linear|linear_local|tensor";
 constexpr std::string_view elasticLaws = "hertz|hertz_mindlin";
-constexpr std::string_view pointRules[] = {"witness", "manifold",    "face_centroid", "pressure_centroid",
-                                           "patch",   "stiff_patch", "foundation"};
-constexpr std::string_view integrators[] = {"seelen", "spiral"};
 constexpr std::string_view shapes[] = {"sphere",     "ellipsoid", "cylinder", "cone",     "cuboid",
                                        "polyhedron", "mesh",      "sand",     "woodchip", "clump"};
 constexpr std::string_view constructions[] = {"spheres", "ellipsoid"};
@@ -50,6 +49,13 @@ void readTextChoice(KeyVisitor& v, const Key& key, std::string& value, std::span
   while (index < names.size() && names[index] != value) ++index;
   v.readChoice(key, index, names);
   value = names[index];
+}
+
+/// The law whose keys a law has: its own, if it is of the library.
+std::string_view keysOfLaw(std::string_view law) {
+  const LawKind kind = lawFromName(law);
+  if (kind <= LawKind::hertzMindlin) return law;
+  return lawReadsCurvature(kind) ? "hertz_mindlin" : "linear";
 }
 
 void visitVessel(KeyVisitor& v, VesselSettings& s) {
@@ -102,7 +108,7 @@ void visitWall(KeyVisitor& v, WallSettings& s) {
 }
 
 void visitContactParameters(KeyVisitor& v, std::string_view law, ContactParameters& p) {
-  v.setKind(law);
+  v.setKind(keysOfLaw(law));
   v.readNumber({"stiffness", "k_n, normal spring", springLaws}, p.stiffness, D::stiffness, positive);
   v.readNumber({"restitution", "e_n, of a head-on impact", "linear|linear_local|tensor|hertz_mindlin"}, p.restitution,
                D::none, positiveFraction);
@@ -119,14 +125,14 @@ void visitModel(KeyVisitor& v, ModelSettings& s) {
       {"law",
        "contact law: springs and dashpots of S; the same from the contact's own masses; a stiffness matrix; Hertz's "
        "force with the damping of M; Hertz and Mindlin with a restitution"},
-      s.law, laws);
+      s.law, lawNames());
   v.readBoolean({"tension", "keep the attractive end of a damped contact, so that e = e_n; false: cut at 0"},
                 s.tension);
   v.readEnum({"friction_limit", "Coulomb's limit from the total normal force, or from its push alone"}, s.frictionLimit,
              frictionLimits);
   v.readEnum({"contact_mass", "mass behind the dashpot: reduced mass, or what the contact point feels"}, s.contactMass,
              contactMasses);
-  readTextChoice(v, {"point_rule", "where the contact force acts"}, s.pointRule, pointRules);
+  readTextChoice(v, {"point_rule", "where the contact force acts"}, s.pointRule, pointRuleNames());
   v.readNumber({"slab", "face_centroid: thickness of the feature slab as a fraction of the overlap"}, s.slab, D::none,
                fraction);
   v.readInteger(
@@ -134,11 +140,11 @@ void visitModel(KeyVisitor& v, ModelSettings& s) {
        "stiff_patch: half the rocking stiffness of a face over that of an elastic foundation; 1: soft, towards "
        "infinity: all force at the deepest point"},
       s.sharpness, sharpnesses);
-  readTextChoice(v, {"integrator", "time integration of the rotation"}, s.integrator, integrators);
+  readTextChoice(v, {"integrator", "time integration of the rotation"}, s.integrator, schemeNames());
 }
 
 void visitTime(KeyVisitor& v, std::string_view law, TimeSettings& s) {
-  v.setKind(law);
+  v.setKind(keysOfLaw(law));
   v.readOptional({"step", "time step; auto: fraction of the stability bound"}, s.step, D::time, positive);
   v.readNumber({"fraction", "of the stability bound, for step = auto"}, s.fraction, D::none, positiveFraction);
   v.readInteger({"contacts", "that a body is assumed to have at once, for the bound"}, s.contacts, assumedContacts);
@@ -374,7 +380,7 @@ void visitMaterials(KeyVisitor& v, Scene& s) {
       {"material", "materials; default: one, called default"}, [&](std::size_t n) { s.materials.resize(n); },
       [&](std::size_t k) {
         MaterialSettings& m = s.materials[k];
-        v.setKind(s.model.law);
+        v.setKind(keysOfLaw(s.model.law));
         v.readText({"name", "to be used by particles, walls and contacts", "", true}, m.name);
         v.readNumber({"density", "of the solid"}, m.density, D::density, positive);
         v.readNumber({"young_modulus", "inf: rigid, for walls", elasticLaws, true}, m.elasticity.young, D::pressure,

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "granular/core/errors.h"
+#include "granular/core/open_table.h"
 #include "granular/law/account.h"
 #include "granular/law/hertz.h"
 #include "granular/law/linear.h"
@@ -13,9 +14,6 @@
 
 namespace granular {
 namespace {
-
-using StiffnessFinder = ContactStiffness (*)(const LawConstants&, const LawOptions&, const ContactBody&,
-                                             const ContactBody&, const Vec3&, double overlap, double radius);
 
 /// A law whose stiffness is the same at every overlap.
 template <FindStiffness find>
@@ -33,36 +31,17 @@ ContactStiffness findSlope(const LawConstants& c, const LawOptions& options, con
   return k;
 }
 
-using Accountant = void (*)(const LawConstants&, const LawOptions&, const ContactBody&, const ContactBody&,
-                            const ContactMotion&, const SpringStep&, ContactAccount&);
-
-struct LawRow {
-  LawKind kind;
-  std::string_view name;
-  Law function;
-  StiffnessFinder stiffness;
-  Accountant account;
-  LawInLanes inLanes = nullptr;  ///< as long as it does not read the bodies' inertia; null: one by one only
-  bool readsInertia = false;
-  bool readsCurvature = false;
-  /// What the law does to the history before it looks at it; null: nothing.
-  void (*prepare)(const ContactMotion&, ContactHistory&) = nullptr;
-};
-
 // The table of laws: one row per law, in the order of LawKind.
-constexpr std::array<LawRow, 5> laws = {{
-    {LawKind::linear, "linear", applyLinearLaw, findAnywhere<findLinearStiffness>, accountSprings<findLinearStiffness>,
-     applyLinearLawInLanes},
-    {LawKind::linearLocal, "linear_local", applyLinearLocalLaw, findAnywhere<findLocalStiffness>,
-     accountSprings<findLocalStiffness>, nullptr, true},
-    {LawKind::tensor, "tensor", applyTensorLaw, findAnywhere<summariseTensorStiffness>, accountTensor, nullptr, true},
-    {LawKind::hertz, "hertz", applyHertzLaw, findSlope<findHertzStiffness>, accountHertz<findHertzStiffness>, nullptr,
-     false, true},
-    {LawKind::hertzMindlin, "hertz_mindlin", applyHertzMindlinLaw, findSlope<findMindlinStiffness>,
-     accountHertz<findMindlinStiffness>, nullptr, false, true, shortenGrownSpring},
+constexpr std::array<LawRow, 5> ownLaws = {{
+    {"linear", applyLinearLaw, findAnywhere<findLinearStiffness>, accountSprings<findLinearStiffness>, false, false,
+     nullptr, applyLinearLawInLanes},
+    {"linear_local", applyLinearLocalLaw, findAnywhere<findLocalStiffness>, accountSprings<findLocalStiffness>, true},
+    {"tensor", applyTensorLaw, findAnywhere<summariseTensorStiffness>, accountTensor, true},
+    {"hertz", applyHertzLaw, findSlope<findHertzStiffness>, accountHertz<findHertzStiffness>, false, true},
+    {"hertz_mindlin", applyHertzMindlinLaw, findSlope<findMindlinStiffness>, accountHertz<findMindlinStiffness>, false,
+     true, shortenGrownSpring},
 }};
-
-const LawRow& rowOf(LawKind kind) { return laws[static_cast<std::size_t>(kind)]; }
+constinit OpenTable<LawRow, LawKind> laws("contact law", ownLaws);
 
 void requireParameter(bool condition, const char* name, double value, const char* limit) {
   if (!condition)
@@ -121,6 +100,7 @@ LawConstants prepareLaw(const ContactParameters& p) {
                                     {"damping_normal", p.dampingRateN},
                                     {"damping_tangential", p.dampingRateT}})
     requireParameter(std::isfinite(value) && value >= 0, name, value, "must be finite and >= 0");
+  for (const double value : p.own) requireParameter(std::isfinite(value), "own", value, "must be finite");
 
   // S 13-16, apart from masses.
   const double logN = std::log(p.restitution), logT = std::log(p.restitutionT);
@@ -142,31 +122,36 @@ LawConstants prepareLaw(const ContactParameters& p) {
   return c;
 }
 
-Law lawFunction(LawKind kind) { return rowOf(kind).function; }
+Law lawFunction(LawKind kind) { return laws[kind].apply; }
 
-std::string_view lawName(LawKind kind) { return rowOf(kind).name; }
+std::string_view lawName(LawKind kind) { return laws[kind].name; }
 
-bool lawReadsInertia(LawKind kind, const LawOptions& options) { return rowOf(kind).readsInertia || options.localMass; }
+std::vector<std::string_view> lawNames() { return laws.names(); }
+
+bool lawReadsInertia(LawKind kind, const LawOptions& options) { return laws[kind].readsInertia || options.localMass; }
 
 LawInLanes lawInLanes(LawKind kind, const LawOptions& options) {
-  return lawReadsInertia(kind, options) ? nullptr : rowOf(kind).inLanes;
+  return lawReadsInertia(kind, options) ? nullptr : laws[kind].inLanes;
 }
 
-bool lawReadsCurvature(LawKind kind) { return rowOf(kind).readsCurvature; }
+bool lawReadsCurvature(LawKind kind) { return laws[kind].readsCurvature; }
 
-LawKind lawFromName(std::string_view name) {
-  for (const LawRow& row : laws) {
-    if (row.name == name) return row.kind;
-  }
-  std::string known;
-  for (const LawRow& row : laws) known += " \"" + std::string(row.name) + "\"";
-  throw InputError("unknown contact law \"" + std::string(name) + "\"; known:" + known);
+bool lawSetsStiffness(LawKind kind) { return laws[kind].readsCurvature || laws.isUsers(kind); }
+
+bool lawKeepsAccount(LawKind kind) { return laws[kind].account != nullptr; }
+
+LawKind lawFromName(std::string_view name) { return laws.find(name); }
+
+LawKind addLaw(const LawRow& row) {
+  require(row.apply && row.stiffness,
+          "contact law \"" + std::string(row.name) + "\": its row needs the functions apply and stiffness");
+  return laws.add(row);
 }
 
 ContactStiffness stiffnessOf(LawKind kind, const LawConstants& constants, const LawOptions& options,
                              const ContactBody& a, const ContactBody& b, const Vec3& normal, double overlap,
                              double radius) {
-  return rowOf(kind).stiffness(constants, options, a, b, normal, overlap, radius);
+  return laws[kind].stiffness(constants, options, a, b, normal, overlap, radius);
 }
 
 ContactAccount accountContact(LawKind kind, const LawConstants& constants, const LawOptions& options,
@@ -174,9 +159,9 @@ ContactAccount accountContact(LawKind kind, const LawConstants& constants, const
                               const ContactHistory& before, const ContactHistory& after, const ContactForce& force) {
   ContactAccount account;
   ContactHistory prepared = before;
-  if (rowOf(kind).prepare) rowOf(kind).prepare(motion, prepared);
+  if (laws[kind].prepare) laws[kind].prepare(motion, prepared);
   const SpringStep step = followSpring(constants, motion, prepared, after);
-  rowOf(kind).account(constants, options, a, b, motion, step, account);
+  laws[kind].account(constants, options, a, b, motion, step, account);
   splitForce(motion, step, force, account);
   return account;
 }

@@ -1,9 +1,12 @@
 // Contact laws as pure functions: geometry, velocities, parameters and history in; force, couple and history out.
 // Signs: normal from A (i) to B (j); force and couple act on A, their opposites on B.
-// A law is one header with an inline kernel (linear.h) and one row of the table in law.cpp.
+// A law is one header with an inline kernel (linear.h) and one row of the table in law.cpp, or one that a program adds
+// to it (addLaw; examples/extend/cohesive_law.h).
 #pragma once
 
+#include <array>
 #include <string_view>
+#include <vector>
 
 #include "granular/pair/history.h"
 
@@ -22,6 +25,8 @@ struct ContactParameters {
   double shearModulus = 0;  ///< G*: 1/G* = (2 - nu_a)/G_a + (2 - nu_b)/G_b, Pa; 0: not given
   double dampingRateN = 0;  ///< hertz: eta_n, 1/s, times the reduced mass
   double dampingRateT = 0;  ///< hertz: eta_t, 1/s
+  /// For a law of a user's own, in units of its choice; no law of the library reads them.
+  std::array<double, 4> own = {};
 };
 
 /// An elastic solid. Isotropic: G = E/(2 (1 + nu)).
@@ -96,7 +101,7 @@ struct LawConstants {
 
 /// Checks the parameters and prepares their constants. Throws InputError naming parameter, value and limit when a value
 /// is not finite, stiffness <= 0, a restitution is outside (0, 1] (e = 0 has no finite dashpot), friction, a modulus or
-/// a damping rate < 0.
+/// a damping rate < 0. `own` may have either sign.
 LawConstants prepareLaw(const ContactParameters& parameters);
 
 /// Damping ratio zeta of a linear dashpot whose restitution is e in (0, 1]: with the attractive end kept, or cut at 0.
@@ -110,14 +115,20 @@ Law lawFunction(LawKind kind);
 using LawInLanes = void (*)(const LawOptions&, ContactLanes&);
 /// Null for a law, or for options, that go one by one only.
 LawInLanes lawInLanes(LawKind kind, const LawOptions& options);
-/// Names as scene files spell them: "linear", "linear_local", "tensor", "hertz", "hertz_mindlin". Throws InputError for
-/// any other.
+/// Names as scene files spell them: "linear", "linear_local", "tensor", "hertz", "hertz_mindlin", and those of laws
+/// that were added. Throws InputError for any other.
 LawKind lawFromName(std::string_view name);
 std::string_view lawName(LawKind kind);
+/// All of them, in the order of the table.
+std::vector<std::string_view> lawNames();
 /// True if the law reads ContactBody::inverseInertia.
 bool lawReadsInertia(LawKind kind, const LawOptions& options);
 /// True if the law reads ContactMotion::radius, and the elastic constants of its pair.
 bool lawReadsCurvature(LawKind kind);
+/// True if only stiffnessOf knows how stiff a contact is; else its normal stiffness is k_n at every overlap.
+bool lawSetsStiffness(LawKind kind);
+/// False for a law that was added without an account: no energy ledger can be kept with it.
+bool lawKeepsAccount(LawKind kind);
 
 /// What a law did with energy in one step, for the energy ledger. Springs as at t_n, after the law.
 struct ContactAccount {
@@ -146,5 +157,30 @@ struct ContactStiffness {
 /// At least one body must be free. overlap and effective radius, m: read by hertz and hertz_mindlin.
 ContactStiffness stiffnessOf(LawKind kind, const LawConstants&, const LawOptions&, const ContactBody& a,
                              const ContactBody& b, const Vec3& normal, double overlap = 0, double radius = 0);
+
+using StiffnessFinder = ContactStiffness (*)(const LawConstants&, const LawOptions&, const ContactBody& a,
+                                             const ContactBody& b, const Vec3& normal, double overlap, double radius);
+struct SpringStep;
+/// Writes springs, elastic force and slip heat of an account; what is left of the force counts as the dashpots'.
+using Accountant = void (*)(const LawConstants&, const LawOptions&, const ContactBody& a, const ContactBody& b,
+                            const ContactMotion&, const SpringStep&, ContactAccount&);
+
+/// One row of the table of laws.
+struct LawRow {
+  std::string_view name;                ///< as scene files spell it; a literal
+  Law apply = nullptr;                  ///< thread-safe, depends on its arguments alone
+  StiffnessFinder stiffness = nullptr;  ///< stiffnessOf, from which the bound on the time step comes
+  Accountant account = nullptr;         ///< for the energy ledger (law/account.h); null: none can be kept
+  bool readsInertia = false;            ///< ContactBody::inverseInertia
+  bool readsCurvature = false;          ///< ContactMotion::radius and the elastic constants of the pair
+  /// What the law does to the history before it looks at it; null: nothing.
+  void (*prepare)(const ContactMotion&, ContactHistory&) = nullptr;
+  LawInLanes inLanes = nullptr;  ///< many contacts at once, unless inertia is read; null: one by one only
+};
+
+/// Adds a law of the user's own: from then on scenes and WorldOptions may choose it. In scenes it has the keys of
+/// `linear`, or those of `hertz_mindlin` if it reads curvature. Call it once, before anything else reads the table.
+/// Throws InputError where the name is empty or taken, apply or stiffness is missing, or the table is full.
+LawKind addLaw(const LawRow& row);
 
 }  // namespace granular

@@ -33,6 +33,7 @@ ContactParameters mixParameters(const ContactParameters& a, const ContactParamet
   mixed.shearModulus = mixInSeries(a.shearModulus, b.shearModulus);
   mixed.dampingRateN = mixGeometric(a.dampingRateN, b.dampingRateN);
   mixed.dampingRateT = mixGeometric(a.dampingRateT, b.dampingRateT);
+  for (std::size_t k = 0; k < mixed.own.size(); ++k) mixed.own[k] = 0.5 * (a.own[k] + b.own[k]);
   return mixed;
 }
 

@@ -1,8 +1,8 @@
 // Materials by name, and the contact parameters of every pair of them (walls have materials too).
 // A pair that is not given explicitly is mixed from the two materials' own values: stiffness as two springs in series
 // (harmonic mean), E* and G* likewise, restitutions, friction and damping rates by the geometric mean (the default of
-// LAMMPS GRANULAR). Equal materials
-// give their own values, and a frictionless wall makes a frictionless pair.
+// LAMMPS GRANULAR), `own` by the mean. Equal materials give their own values, and a frictionless wall makes a
+// frictionless pair.
 #pragma once
 
 #include <string>

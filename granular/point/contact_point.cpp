@@ -6,34 +6,36 @@
 #include <string>
 
 #include "granular/core/errors.h"
+#include "granular/core/open_table.h"
 #include "granular/point/rules.h"
 #include "granular/point/witness.h"
 
 namespace granular {
 namespace {
 
-// The table of rules, in the order of PointRule.
-constexpr std::array<std::string_view, 7> names = {"witness", "manifold",    "face_centroid", "pressure_centroid",
-                                                   "patch",   "stiff_patch", "foundation"};
+void placeDeepest(const RuleOptions&, const Shape&, const Frame&, const Shape&, const Frame&, const Touch& touch,
+                  ContactPatch& out) {
+  placeWitness(touch, out);
+}
+
+// The table of rules, in the order of PointRule. A manifold is placed where its state is kept.
+constexpr std::array<PointRuleRow, 7> ownRules = {{
+    {"witness", placeDeepest},
+    {"manifold", placeDeepest},
+    {"face_centroid", placeFaceCentroid},
+    {"pressure_centroid", placeOnOverlap},
+    {"patch", placeOnOverlap},
+    {"stiff_patch", placeOnOverlap},
+    {"foundation", placeOnOverlap},
+}};
+constinit OpenTable<PointRuleRow, PointRule> rules("contact-point rule", ownRules);
 
 }  // namespace
 
 void placeContact(const RuleOptions& options, const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB,
                   const Touch& touch, ContactPatch& out) {
-  switch (options.rule) {
-    case PointRule::manifold:
-      assert(false && "the manifold rule keeps state of its own and is placed where that is kept");
-      [[fallthrough]];
-    case PointRule::witness:
-      return placeWitness(touch, out);
-    case PointRule::faceCentroid:
-      return placeFaceCentroid(options, a, frameA, b, frameB, touch, out);
-    case PointRule::pressureCentroid:
-    case PointRule::patch:
-    case PointRule::stiffPatch:
-    case PointRule::foundation:
-      return placeOnOverlap(options, a, frameA, b, frameB, touch, out);
-  }
+  assert(options.rule != PointRule::manifold);
+  rules[options.rule].place(options, a, frameA, b, frameB, touch, out);
 }
 
 double rockingStiffness(const RuleOptions& options) {
@@ -46,15 +48,24 @@ double rockingDamping(const RuleOptions& options) {
   return options.rule == PointRule::stiffPatch ? std::sqrt(4.0 * options.sharpness) : 1;
 }
 
-PointRule pointRuleFromName(std::string_view name) {
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    if (names[k] == name) return static_cast<PointRule>(k);
-  }
-  std::string known;
-  for (const std::string_view each : names) known += " \"" + std::string(each) + "\"";
-  throw InputError("unknown contact-point rule \"" + std::string(name) + "\"; known:" + known);
+PointRule pointRuleFromName(std::string_view name) { return rules.find(name); }
+
+std::string_view pointRuleName(PointRule rule) { return rules[rule].name; }
+
+std::vector<std::string_view> pointRuleNames() { return rules.names(); }
+
+PointRule addPointRule(const PointRuleRow& row) {
+  const std::string name(row.name);
+  require(row.place != nullptr, "contact-point rule \"" + name + "\": its row needs the function place");
+  require(!isUsersRule(row.atWalls),
+          "contact-point rule \"" + name + "\": atWalls must be a rule of the library, such as pressureCentroid");
+  return rules.add(row);
 }
 
-std::string_view pointRuleName(PointRule rule) { return names[static_cast<std::size_t>(rule)]; }
+RuleOptions ruleAtWalls(const RuleOptions& options) {
+  RuleOptions chosen = options;
+  if (isUsersRule(options.rule)) chosen.rule = rules[options.rule].atWalls;
+  return chosen;
+}
 
 }  // namespace granular

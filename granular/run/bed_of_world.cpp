@@ -42,7 +42,7 @@ void addFrozenContacts(const World& world, Bed& bed) {
     if (!frozen(static_cast<std::int32_t>(i))) continue;
     for (const auto& wall : world.walls) {
       touches.clear();
-      touchWall(*wall, rule, *awake.shape[i], awake.frame[i], touches);
+      touchWall(*wall, ruleAtWalls(rule), *awake.shape[i], awake.frame[i], touches);
       for (const WallTouch& found : touches) {
         bed.contacts.push_back(
             {static_cast<std::int32_t>(i), -1, found.patch.point, found.normal, Vec3::Zero(), found.overlap});

@@ -1,4 +1,5 @@
-// Walls: geometry of the boundaries, each a list of contacts for a placed shape.
+// Walls: geometry of the boundaries, each a list of contacts for a placed shape. A program may bring a wall of its own
+// (World::walls; examples/extend/bowl_wall.h).
 #pragma once
 
 #include <memory>
@@ -27,7 +28,8 @@ class Wall {
  public:
   virtual ~Wall() = default;
 
-  /// Appends every contact of the placed convex shape, in order of spot. Thread-safe, depends on the arguments alone.
+  /// Appends every contact of the placed convex shape, in order of spot. The rule is one of the library's
+  /// (ruleAtWalls). Thread-safe, depends on the arguments alone, throws nothing.
   virtual void touch(const RuleOptions& rule, const Shape& shape, const Frame& frame,
                      std::vector<WallTouch>& out) const = 0;
 

@@ -114,6 +114,7 @@ void lookAtClumpAtWall(World& world, std::int32_t index, double travel, World::C
 
   chunk.wallTouches.clear();
   double quiet = list.validUntil;
+  const RuleOptions rule = ruleAtWalls(world.options.rule);
   for (ChildPair& child : list.near) {
     if (skips && travel < child.quietUntil) {
       quiet = std::min(quiet, child.quietUntil);
@@ -122,7 +123,7 @@ void lookAtClumpAtWall(World& world, std::int32_t index, double travel, World::C
     const ChildSphere& sphere = clump.children()[at(child.childA)];
     const std::size_t before = chunk.wallTouches.size();
     const double gap = wall.clearance(frame.toWorld(sphere.centre), sphere.radius);
-    if (!(gap > 0)) touchWallWithChild(wall, world.options.rule, clump, frame, child.childA, chunk.wallTouches);
+    if (!(gap > 0)) touchWallWithChild(wall, rule, clump, frame, child.childA, chunk.wallTouches);
     if (chunk.wallTouches.size() > before) continue;
     child.quietUntil = travel + std::max(0.0, gap);
     quiet = std::min(quiet, child.quietUntil);

@@ -157,8 +157,9 @@ bool areAll(ShapeKind kind, const World& world, Range range) {
 bool canBatch(const World& world, Range range) {
   const WorldOptions& options = world.options;
   const bool plain = options.law == LawKind::linear && !options.lawOptions.localMass && !options.energy;
-  // These rules place the contacts of spheres to round-off only, or keep several of them.
-  const bool deepest = options.rule.rule != PointRule::faceCentroid && options.rule.rule != PointRule::manifold;
+  // These rules place the contacts of spheres to round-off only, keep several of them, or are unknown here.
+  const PointRule rule = options.rule.rule;
+  const bool deepest = rule != PointRule::faceCentroid && rule != PointRule::manifold && !isUsersRule(rule);
   if (options.noBatches || !plain || !deepest) return false;
   return areAll(ShapeKind::sphere, world, range);
 }
@@ -346,7 +347,7 @@ void lookAtWallPair(World& world, std::int32_t index, World::Chunk& chunk) {
   const Wall& wall = *world.walls[at(pair.wall)];
   if (world.anyClump && asClump(*bodies.shape[i])) return lookAtClumpAtWall(world, index, travel, chunk);
   chunk.wallTouches.clear();
-  wall.touch(world.options.rule, *bodies.shape[i], bodies.frame[i], chunk.wallTouches);
+  wall.touch(ruleAtWalls(world.options.rule), *bodies.shape[i], bodies.frame[i], chunk.wallTouches);
   if (chunk.wallTouches.empty()) {
     pair.quietUntil = travel + std::max(0.0, wall.clearance(bodies.x[i], bodies.boundingRadius[i]));
     pair.spots.clear();

@@ -188,11 +188,12 @@ void measureWallStiffness(World& world) {
       const int bodyMaterial = world.bodies.material[at(contact.a)];
       const LawConstants& constants = world.materials.constants(bodyMaterial, world.walls[k]->material);
       double stiffness = constants.parameters.stiffness;
-      if (lawReadsCurvature(world.options.law)) {
+      if (lawSetsStiffness(world.options.law)) {
         const ContactBody body = viewBody(world.bodies, at(contact.a), Vec3::Zero(), false);
-        stiffness = stiffnessOf(world.options.law, constants, {}, body, {}, contact.touch.normal, contact.patch.depth,
-                                contactRadius(world, contact))
-                        .normal;
+        const double radius = lawReadsCurvature(world.options.law) ? contactRadius(world, contact) : 0;
+        stiffness =
+            stiffnessOf(world.options.law, constants, {}, body, {}, contact.touch.normal, contact.patch.depth, radius)
+                .normal;
       }
       world.wallStiffness[k] += contact.share * contact.patch.share * stiffness;
     }

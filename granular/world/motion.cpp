@@ -9,13 +9,13 @@ namespace {
 
 /// State at t_{n+1} of the bodies in a place (body/lanes.h).
 template <class Scheme, class Place>
-void predictBodies(double dt, const Place& place, Bodies& bodies) {
+void predictBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
   const HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
   const Triple<Real> vHalf = place.read(bodies.vHalf);
   Triple<Real> x = place.read(bodies.x), v;
   predictTranslation(dt, vHalf, place.read(bodies.acceleration), x, v);
-  const Turn<Real> next = Scheme::predictRotation(dt, half);
+  const Turn<Real> next = scheme.predictRotation(dt, half);
   // No surface point moves further than the centre does plus the turn of the outermost point.
   const Real fastest = squareRoot(larger(half.w.dot(half.w), next.w.dot(next.w)));
   const Real way = dt * (vHalf.norm() + place.read(bodies.boundingRadius) * fastest);
@@ -30,13 +30,13 @@ void predictBodies(double dt, const Place& place, Bodies& bodies) {
 
 /// Memory of the next half step of the bodies in a place.
 template <class Scheme, class Place>
-void advanceBodies(double dt, const Place& place, Bodies& bodies) {
+void advanceBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
   const Triple<Real> acceleration = place.read(bodies.inverseMass) * place.read(bodies.force);
   Triple<Real> vHalf = place.read(bodies.vHalf);
   advanceTranslation(dt, acceleration, vHalf);
   HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
-  Scheme::advanceRotation(dt, Moments<Real>{place.read(bodies.inertia), place.read(bodies.inverseInertia)},
+  scheme.advanceRotation(dt, Moments<Real>{place.read(bodies.inertia), place.read(bodies.inverseInertia)},
                           place.read(bodies.torque), Turn<Real>{place.read(bodies.q), place.read(bodies.w)}, half);
   place.write(acceleration, bodies.acceleration);
   place.write(vHalf, bodies.vHalf);
@@ -45,20 +45,44 @@ void advanceBodies(double dt, const Place& place, Bodies& bodies) {
   place.write(half.alpha, bodies.alpha);
 }
 
+/// A row of the table as a scheme, for one body at a time.
+struct SchemeOfRow {
+  const RotationScheme& row;
+
+  Turn<double> predictRotation(double dt, const HalfTurn<double>& half) const {
+    Quat q;
+    Vec3 w;
+    row.predict(dt, toQuat(half.q), toVec3(half.w), toVec3(half.alpha), q, w);
+    return {toQuadruple(q), toTriple(w)};
+  }
+  void advanceRotation(double dt, const Moments<double>& moments, const Triple<double>& torque,
+                       const Turn<double>& now, HalfTurn<double>& half) const {
+    Quat q = toQuat(half.q);
+    Vec3 w = toVec3(half.w), alpha = toVec3(half.alpha);
+    row.advance(dt, toVec3(moments.inertia), toVec3(moments.inverseInertia), toVec3(torque), toQuat(now.q),
+                toVec3(now.w), {q, w, alpha});
+    half = {toQuadruple(q), toTriple(w), toTriple(alpha)};
+  }
+};
+
 /// Calls visit(scheme, place) for the places of all moving bodies: whole registers of them, and those left over one by
-/// one.
+/// one; all one by one for a scheme of the user's own.
 template <class Visitor>
 void visitMoving(const WorldOptions& options, const Bodies& bodies, const Visitor& visit) {
   const std::vector<std::int32_t>& moving = bodies.movingSlots();
-  const auto visitAll = [&](auto scheme) {
-    visitBodies(moving, options.noBatches, moving.size() >= bodiesForThreads,
-                [&](const auto& place) { visit(scheme, place); });
+  const bool worthwhile = moving.size() >= bodiesForThreads;
+  const auto visitAll = [&](const auto& scheme) {
+    visitBodies(moving, options.noBatches, worthwhile, [&](const auto& place) { visit(scheme, place); });
   };
   switch (options.integrator) {
     case SchemeKind::seelen:
       return visitAll(Seelen{});
     case SchemeKind::spiral:
       return visitAll(Spiral{});
+    default:
+      const SchemeOfRow scheme{rotationScheme(options.integrator)};
+      shareOutEvenly(moving.size(), worthwhile,
+                     [&](std::size_t k) { visit(scheme, OneBody(static_cast<std::size_t>(moving[k]))); });
   }
 }
 
@@ -119,12 +143,12 @@ void moveWalls(double dt, World& world) {
 
 void predict(double dt, const WorldOptions& options, Bodies& bodies) {
   visitMoving(options, bodies,
-              [&]<class Scheme>(Scheme, const auto& place) { predictBodies<Scheme>(dt, place, bodies); });
+              [&](const auto& scheme, const auto& place) { predictBodies(dt, scheme, place, bodies); });
 }
 
 void advance(double dt, const WorldOptions& options, Bodies& bodies) {
   visitMoving(options, bodies,
-              [&]<class Scheme>(Scheme, const auto& place) { advanceBodies<Scheme>(dt, place, bodies); });
+              [&](const auto& scheme, const auto& place) { advanceBodies(dt, scheme, place, bodies); });
 }
 
 // With rotation locked about some world axes, Euler's equation holds along the others alone: the angular acceleration

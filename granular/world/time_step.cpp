@@ -125,13 +125,13 @@ TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialT
   TimeStepBound result;
   // The tensor law lets a body swing with the compliance of its partner too: the largest there is.
   const bool shared = options.law == LawKind::tensor;
-  const bool hertz = lawReadsCurvature(options.law);
+  const bool hertz = lawReadsCurvature(options.law), asked = lawSetsStiffness(options.law);
   std::vector<ShapeCompliance> compliances;
   ShapeCompliance largest;
   for (const BodyKind& kind : kinds) {
     const ShapeCompliance unit = complianceOf(*kind.shape, options.rule);
     const double inverse = 1 / kind.density;
-    const double side = hertz ? inverse : 0;  // the linear laws' k_t is made for the compliance across
+    const double side = asked ? inverse : 0;  // the linear laws' k_t is made for the compliance across
     compliances.push_back({{unit.worst.point * inverse, unit.worst.rocking * inverse, unit.worst.side * side},
                            {unit.mean.point * inverse, unit.mean.rocking * inverse, unit.mean.side * side}});
     largest.worst.point = std::max(largest.worst.point, compliances.back().worst.point);
@@ -151,8 +151,8 @@ TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialT
     for (int partner = 0; partner < materials.count(); ++partner) {
       const LawConstants& constants = materials.constants(kind.material, partner);
       // A wall damps most for its stiffness, and is the flattest partner; a twin makes the shortest contact. Both
-      // through the centre of mass, where every law of springs has the stiffness k_n.
-      const LawKind law = hertz ? options.law : LawKind::linear;
+      // through the centre of mass, where every law of springs of the library has the stiffness k_n.
+      const LawKind law = asked ? options.law : LawKind::linear;
       const double overlap = options.expectedOverlap * kind.shape->size(), radius = largestRadius(*kind.shape);
       ContactStiffness wall =
           stiffnessOf(law, constants, options.lawOptions, self, ContactBody{}, Vec3::UnitZ(), overlap, radius);
@@ -225,7 +225,7 @@ TimeStepBound boundOfContacts(const World& world) {
       spot.dampingNormal *= share;
       spot.dampingTangential *= share;
       if (law != LawKind::tensor) {
-        const double side = hertz ? sideGive(body.inverseMass, body.inverseInertia, body.arm, n) : 0;
+        const double side = lawSetsStiffness(law) ? sideGive(body.inverseMass, body.inverseInertia, body.arm, n) : 0;
         own.add(spot, {localInverseMass(body, n), rocking, side}, rule);
         return;
       }

@@ -65,7 +65,7 @@ void watch(World& world) {
   const double limit = world.options.maxSpeed * world.options.maxSpeed;
   report.bodySteps += bodies.movingSlots().size();
   visitBodies(bodies.movingSlots(), world.options.noBatches, false, [&]<class Place>(const Place& place) {
-    if (isTrueForAll(squareSpeed(bodies, place) <= limit + typename Place::Real{})) return;
+    if (all(squareSpeed(bodies, place) <= limit + typename Place::Real{})) return;
     for (std::size_t k = 0; k < place.count; ++k) {
       const double square = squareSpeed(bodies, OneBody(place.at(k)));
       if (square <= limit) continue;

@@ -37,6 +37,10 @@ void checkElasticLaw(const WorldOptions& options, const MaterialTable& materials
 World::World(const WorldOptions& chosen, MaterialTable table)
     : options(chosen), materials(std::move(table)), search(searchOptionsOf(chosen)) {
   checkElasticLaw(options, materials);
+  require(!options.energy || lawKeepsAccount(options.law),
+          "law \"" + std::string(lawName(options.law)) +
+              "\" keeps no account of its energy: give its row the function account (law/account.h), or leave "
+              "output.energy off");
 }
 
 std::int32_t World::addShape(std::shared_ptr<const Shape> shape) {

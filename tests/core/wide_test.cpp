@@ -64,13 +64,13 @@ TEST(Rows, BecomeLanesAndRowsAgain) {
 
 TEST(Wide, ComparisonsHoldForAllOrNot) {
   Wide x = 1 + Wide{};
-  EXPECT_TRUE(isTrueForAll(x <= 1 + Wide{}));
+  EXPECT_TRUE(all(x <= 1 + Wide{}));
   for (std::size_t k = 0; k < wideSize; ++k) {
     Wide y = x;
     y[k] = std::nan("");
-    EXPECT_FALSE(isTrueForAll(y <= 1 + Wide{}));
+    EXPECT_FALSE(all(y <= 1 + Wide{}));
     y[k] = 2;
-    EXPECT_FALSE(isTrueForAll(y <= 1 + Wide{}));
+    EXPECT_FALSE(all(y <= 1 + Wide{}));
     EXPECT_EQ(larger(x, y)[k], 2);
   }
 }

@@ -1,8 +1,8 @@
 // A convex shape of a user's own, known to Bullet and to nobody here, poured like any other.
-#include <BulletCollision/CollisionShapes/btConvexInternalShape.h>
 #include <gtest/gtest.h>
 #include <omp.h>
 
+#include "examples/extend/superellipsoid.h"
 #include "granular/core/random.h"
 #include "granular/shape/bullet_convex.h"
 #include "granular/world/time_step.h"
@@ -10,34 +10,6 @@
 
 namespace granular {
 namespace {
-
-/// The superellipsoid |x/a|^p + |y/b|^p + |z/c|^p = 1, by its support function alone.
-class Superellipsoid : public btConvexInternalShape {
- public:
-  Superellipsoid(const Vec3& semiAxes, double exponent) : axes(semiAxes), power(exponent) {
-    m_shapeType = CUSTOM_CONVEX_SHAPE_TYPE;
-  }
-  btVector3 localGetSupportingVertexWithoutMargin(const btVector3& d) const override {
-    const double dual = power / (power - 1);
-    double sum = 0;
-    for (int k = 0; k < 3; ++k) sum += std::pow(std::abs(axes[k] * d[k]), dual);
-    const double size = std::pow(sum, 1 / power);
-    btVector3 p(0, 0, 0);
-    for (int k = 0; k < 3; ++k) {
-      p[k] = std::copysign(axes[k] * std::pow(std::abs(axes[k] * d[k]), dual - 1) / size, d[k]);
-    }
-    return p;
-  }
-  void batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector3* d, btVector3* p, int n) const override {
-    for (int k = 0; k < n; ++k) p[k] = localGetSupportingVertexWithoutMargin(d[k]);
-  }
-  void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }
-  const char* getName() const override { return "superellipsoid"; }
-
- private:
-  Vec3 axes;
-  double power;
-};
 
 TEST(UsersShape, TwoHundredPourIntoABox) {
   omp_set_num_threads(1);
@@ -58,7 +30,8 @@ TEST(UsersShape, TwoHundredPourIntoABox) {
   }
 
   // A loose lattice, turned at random and shrinking downwards: all of it meets within a few milliseconds.
-  const auto shape = std::make_shared<BulletConvex>(std::make_shared<Superellipsoid>(Vec3(1, 1.2, 1.5), 3.0), 1e-3);
+  const auto shape =
+      std::make_shared<BulletConvex>(std::make_shared<extend::Superellipsoid>(Vec3(1, 1.2, 1.5), 3.0), 1e-3);
   const std::int32_t index = world.addShape(shape);
   Random random(11);
   for (int k = 0; k < perSide * perSide * layers; ++k) {
