@@ -25,6 +25,14 @@ class Random {
   double normal();
   /// Uniform on the unit sphere.
   Vec3 direction();
+  /// Three numbers by draw(), the last component first. (Arguments of a constructor are drawn in an order that is the
+  /// compiler's choice.)
+  template <class Draw>
+  static Vec3 drawComponents(const Draw& draw) {
+    Vec3 v;
+    for (int k = 2; k >= 0; --k) v[k] = draw();
+    return v;
+  }
   /// Uniform on the rotation group.
   Quat rotation();
 

@@ -44,6 +44,7 @@ std::string formatResult(const RunResult& r) {
   for (const auto& [name, value] : r.headline) json[name] = number(value);
   json["max_overlap_over_size"] = number(r.maxOverlapOverSize);
   json["kinetic_energy_j"] = number(r.kineticEnergy);
+  json["state_hash"] = r.stateHash;
   json["contacts"] = {{"now", r.contactsNow},
                       {"uncertified", r.contacts.uncertified},
                       {"coarse", r.contacts.coarse},

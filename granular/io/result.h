@@ -35,6 +35,7 @@ struct RunResult {
   std::vector<std::pair<std::string, std::optional<double>>> headline;  ///< what a study is about, at the top level
   double maxOverlapOverSize = 0;  ///< ever, over the radius of the sphere of equal volume
   double kineticEnergy = 0;       ///< J
+  std::string stateHash;          ///< hashState() of the bodies at the end
 
   std::int64_t contactsNow = 0;
   NarrowCounts contacts;                                   ///< the run's contact certificate

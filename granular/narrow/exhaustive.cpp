@@ -77,7 +77,8 @@ void refine(const Shape& a, const Frame& frameA, const Shape& b, const Frame& fr
   while (step > 1e-9) {
     bool better = false;
     for (int trial = 0; trial < 12 && !better; ++trial) {
-      const Vec3 n = (best.normal + step * random.uniform() * random.direction()).normalized();
+      const double far = step * random.uniform();
+      const Vec3 n = (best.normal + far * random.direction()).normalized();
       const double depth = depthAlong(a, frameA, b, frameB, n);
       if (depth < best.depth) {
         best = {depth, n};

@@ -113,11 +113,12 @@ bool drawFlux(const std::array<Deviation, 2>& sigma, Random& random, Encounter& 
 
   // Unconditional velocities, then the part along the sensitivity replaced.
   const double target = std::sqrt(-2 * variance * std::log(1 - random.uniform()));
+  const auto drawNormal = [&] { return random.normal(); };
   std::array<Vec3, 2> v, w;
   double speed = 0;
   for (std::size_t i = 0; i < 2; ++i) {
-    v[i] = sigma[i].velocity * Vec3(random.normal(), random.normal(), random.normal());
-    w[i] = sigma[i].spin.cwiseProduct(Vec3(random.normal(), random.normal(), random.normal()));
+    v[i] = sigma[i].velocity * Random::drawComponents(drawNormal);
+    w[i] = sigma[i].spin.cwiseProduct(Random::drawComponents(drawNormal));
     speed += by[i].velocity.dot(v[i]) + by[i].spin.dot(w[i]);
   }
   for (std::size_t i = 0; i < 2; ++i) {

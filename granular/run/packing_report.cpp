@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "granular/io/mesh_export.h"
+#include "granular/io/state_hash.h"
 #include "granular/run/bed_of_world.h"
 #include "granular/run/frames.h"
 #include "granular/run/scene_world.h"
@@ -46,6 +47,7 @@ RunResult collectRun(const PackingRun& run, RunEnd end, int threads) {
   result.particleSteps = static_cast<double>(report.bodySteps);
   result.maxOverlapOverSize = report.deepestOverlap;
   result.kineticEnergy = kineticEnergy(world.bodies);
+  result.stateHash = hashState(world.bodies);
   result.contactsNow = static_cast<std::int64_t>(world.contactCount());
   result.contacts = report.narrow;
   if (world.ledger.begun) {

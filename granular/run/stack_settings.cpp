@@ -60,7 +60,7 @@ std::vector<Pose> placeStack(const StackSettings& settings) {
                                : -restingOverlap(settings, k, load[static_cast<std::size_t>(k)]);
     Pose& pose = poses[static_cast<std::size_t>(k)];
     const double x = random.uniform(-1, 1), y = random.uniform(-1, 1);
-    const Vec3 turn(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    const Vec3 turn = Random::drawComponents([&] { return random.uniform(-1, 1); });
     pose.x = Vec3(p * settings.side * x, p * settings.side * y, top + spacing + half.z());
     pose.q = rotationFromVector(p * turn);
     if (settings.sway != 0) {

@@ -290,7 +290,7 @@ TEST_F(ResultTest, JsonHasTheStableKeys) {
   const auto json = nlohmann::json::parse(readText(folder / "result.json"));
   for (const char* key : {"particles", "steps", "dt_s", "simulated_s", "wall_s", "particle_steps_per_s",
                           "solid_fraction", "filling_height_m", "coordination_number", "max_overlap_over_size",
-                          "kinetic_energy_j", "contacts", "energy", "seed", "threads", "version"})
+                          "kinetic_energy_j", "state_hash", "contacts", "energy", "seed", "threads", "version"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_EQ(json["particle_steps_per_s"], 150);
   EXPECT_EQ(json["solid_fraction"]["overall"], 0.6);
