@@ -1,9 +1,18 @@
 // Vectors, rotations and poses: Eigen's types under short names, and the few helpers that all rooms share.
 #pragma once
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
+
+// Where the compiler may use fused products, Eigen uses them by itself, whatever -ffp-contract says, and a build for
+// this machine would round otherwise than one for any x86-64. So its choice of instructions is made first, and without
+// them.
+// clang-format off
+#include <Eigen/src/Core/util/Macros.h>
+#include <Eigen/src/Core/util/ConfigureVectorization.h>
+// clang-format on
+#undef EIGEN_VECTORIZE_FMA
+#include <Eigen/Geometry>
 
 namespace granular {
 
