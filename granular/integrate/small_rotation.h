@@ -20,32 +20,13 @@ inline void rotateFar(const Triple<double>& r, bool /*near*/, Quadruple<double>&
   }
 }
 
-/// x / n for a small whole number n. In lanes to the same bits without a division, which would take longer than all
-/// else here: x times the rounded inverse is off by less than two units in the last place, what that leaves of x is
-/// found exactly, and the sum rounds as the quotient does, because no quotient by a small number lies near the middle
-/// of two numbers. (Where what is left is too small to be a number in full, both differ by less than 1e-300.)
-template <int n>
-double quotient(double x) {
-  return x / n;
-}
-template <int n>
-Wide quotient(const Wide& x) {
-#if defined(__AVX512F__)
-  constexpr double inverse = 1.0 / n;
-  const Wide near = x * inverse;
-  const Wide left = _mm512_fnmadd_pd(near, _mm512_set1_pd(n), x);
-  return _mm512_fmadd_pd(left, _mm512_set1_pd(inverse), near);
-#else
-  return x / n;
-#endif
-}
-
 /// As rotationFromVector, without square root or sine for |r| < 0.2 rad: there the first term left out is below 3e-17.
 template <class Real>
 Quadruple<Real> rotateByStep(const Triple<Real>& r) {
   const Real t = 0.25 * r.dot(r);
-  const Real s = 0.5 * (1 - quotient<6>(t) * (1 - quotient<20>(t) * (1 - quotient<42>(t) * (1 - quotient<72>(t)))));
-  const Real c = 1 - 0.5 * t * (1 - quotient<12>(t) * (1 - quotient<30>(t) * (1 - quotient<56>(t))));
+  const auto of = [&](double n) -> Real { return (1 / n) * t; };  // no division at run time
+  const Real s = 0.5 * (1 - of(6) * (1 - of(20) * (1 - of(42) * (1 - of(72)))));
+  const Real c = 1 - 0.5 * t * (1 - of(12) * (1 - of(30) * (1 - of(56))));
   Quadruple<Real> q{s * r.x, s * r.y, s * r.z, c};
   const Mask<Real> near = t <= 0.01 + Real{};
   if (!all(near)) rotateFar(r, near, q);

@@ -153,26 +153,6 @@ TEST(SmallRotation, AgreesWithSineAndCosine) {
   }
 }
 
-template <int n>
-void expectQuotients(Random& random) {
-  for (int k = 0; k < 100000; ++k) {
-    Wide x;
-    for (std::size_t lane = 0; lane < wideSize; ++lane) x[lane] = std::ldexp(random.uniform(), k % 200 - 150);
-    for (std::size_t lane = 0; lane < wideSize; ++lane) ASSERT_EQ(quotient<n>(x)[lane], x[lane] / n);
-  }
-}
-
-TEST(SmallRotation, DividesInLanesAsAlone) {
-  Random random(7);
-  expectQuotients<6>(random);
-  expectQuotients<12>(random);
-  expectQuotients<20>(random);
-  expectQuotients<30>(random);
-  expectQuotients<42>(random);
-  expectQuotients<56>(random);
-  expectQuotients<72>(random);
-}
-
 TEST(SmallRotation, TurnsFarInLanesAsAlone) {
   Triple<Wide> r;
   for (std::size_t k = 0; k < wideSize; ++k) {
