@@ -37,7 +37,7 @@ void advanceBodies(double dt, const Scheme& scheme, const Place& place, Bodies& 
   advanceTranslation(dt, acceleration, vHalf);
   HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
   scheme.advanceRotation(dt, Moments<Real>{place.read(bodies.inertia), place.read(bodies.inverseInertia)},
-                          place.read(bodies.torque), Turn<Real>{place.read(bodies.q), place.read(bodies.w)}, half);
+                         place.read(bodies.torque), Turn<Real>{place.read(bodies.q), place.read(bodies.w)}, half);
   place.write(acceleration, bodies.acceleration);
   place.write(vHalf, bodies.vHalf);
   place.write(half.q, bodies.qHalf);
@@ -55,8 +55,8 @@ struct SchemeOfRow {
     row.predict(dt, toQuat(half.q), toVec3(half.w), toVec3(half.alpha), q, w);
     return {toQuadruple(q), toTriple(w)};
   }
-  void advanceRotation(double dt, const Moments<double>& moments, const Triple<double>& torque,
-                       const Turn<double>& now, HalfTurn<double>& half) const {
+  void advanceRotation(double dt, const Moments<double>& moments, const Triple<double>& torque, const Turn<double>& now,
+                       HalfTurn<double>& half) const {
     Quat q = toQuat(half.q);
     Vec3 w = toVec3(half.w), alpha = toVec3(half.alpha);
     row.advance(dt, toVec3(moments.inertia), toVec3(moments.inverseInertia), toVec3(torque), toQuat(now.q),

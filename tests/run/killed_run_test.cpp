@@ -1,5 +1,6 @@
 // Runs killed without warning at any moment, taken up again from what lies on the disk, end in the same bits as one
-// that nobody disturbed. GRANULAR_KILLS and GRANULAR_PARTICLES make it as long as one likes (docs/robustness.md).
+// that nobody disturbed. GRANULAR_KILLS, GRANULAR_PARTICLES and GRANULAR_ROCKS make it as long as one likes
+// (docs/robustness.md).
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <spawn.h>
@@ -44,6 +45,15 @@ shape = "cylinder"
 radius = "1.2 mm"
 height = "2.6 mm"
 share = 0.3
+)";
+  /// Every one its own.
+  const std::string rocks = R"(
+[[particles]]
+shape = "sand"
+template = "ellipsoid"
+aspect = 1.5
+radius = "1.5 mm"
+vertex_count = [8, 20]
 )";
 
   void SetUp() override {
@@ -98,11 +108,12 @@ share = 0.3
 TEST_F(KilledRun, PackingEndsInTheSameBitsHoweverOftenItIsKilled) {
   const int kills = numberFromEnvironment("GRANULAR_KILLS", 6);
   const int particles = numberFromEnvironment("GRANULAR_PARTICLES", 16);
+  const bool onlyRocks = numberFromEnvironment("GRANULAR_ROCKS", 0) != 0;
   // A wider vessel for more of them; checkpoints often, so that many a kill meets one.
   const double width = std::max(15.0, 2.2 * std::cbrt(particles) * 3);
   const std::string text =
       fmt::format("[vessel]\nkind = \"box\"\nsize = [\"{0} mm\", \"{0} mm\", \"{1} mm\"]\n", width, 10 * width) +
-      commonText + "checkpoint_interval = \"2 ms\"\nframes = \"20 ms\"\n" + rubble +
+      commonText + "checkpoint_interval = \"2 ms\"\nframes = \"20 ms\"\n" + (onlyRocks ? rocks : rubble) +
       fmt::format("[insertion]\nkind = \"batches\"\ncount = {}\nbatch = {}\n[settle]\nkind = \"sleep\"\n", particles,
                   std::max(8, particles / 8));
   const std::string scene = write(text).file.string();
