@@ -1,6 +1,7 @@
 #include "granular/narrow/exhaustive.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "granular/core/random.h"
 #include "granular/narrow/narrow.h"
@@ -71,19 +72,28 @@ ExhaustiveDepth searchPolyhedra(const PolyhedronTables& a, const Frame& frameA, 
   return best;
 }
 
-/// Tries random neighbours at a distance that shrinks whenever none of a dozen is better.
+/// Tries random neighbours at a distance that shrinks whenever none of a dozen is better. Where one was, what lies as
+/// far again and half beyond it comes next: down a valley with steep sides, in which few neighbours are better, small
+/// steps would go on for ever. Better by round-off does not count, as a level surface always has such.
 void refine(const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB, double step, Random& random,
             ExhaustiveDepth& best) {
+  const double roundOff = std::numeric_limits<double>::epsilon() * (a.boundingRadius() + b.boundingRadius());
+  Vec3 move = Vec3::Zero();
+  const auto improve = [&](const Vec3& direction) {
+    const Vec3 n = direction.normalized();
+    const double depth = depthAlong(a, frameA, b, frameB, n);
+    if (!(depth < best.depth - roundOff)) return false;
+    move = n - best.normal;
+    best = {depth, n};
+    return true;
+  };
   while (step > 1e-9) {
     bool better = false;
     for (int trial = 0; trial < 12 && !better; ++trial) {
       const double far = step * random.uniform();
-      const Vec3 n = (best.normal + far * random.direction()).normalized();
-      const double depth = depthAlong(a, frameA, b, frameB, n);
-      if (depth < best.depth) {
-        best = {depth, n};
-        better = true;
-      }
+      better = improve(best.normal + far * random.direction());
+    }
+    while (better && improve(best.normal + 1.5 * move)) {
     }
     step *= better ? 1.3 : 0.6;
   }
