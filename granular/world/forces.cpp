@@ -10,9 +10,6 @@ namespace {
 
 std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
-/// How many contacts ahead of the one that is looked at.
-constexpr std::size_t farAhead = 8;
-
 /// Keeps the history of the spots that still touch, in the order of the pair's contacts, which begin at `first`; new
 /// spots start at zero.
 void matchSpots(std::vector<SpotHistory>& spots, const std::vector<Contact>& contacts, std::size_t first) {
@@ -127,12 +124,6 @@ ContactHistory& findHistory(World& world, const World::Chunk& chunk, std::size_t
   return spots[k - firstOfPair].history;
 }
 
-/// Starts to bring into the cache which spots the pair of a contact has: they are compared before its history is asked
-/// for.
-void fetchSpots(World& world, const Contact& contact) {
-  if (keepsSpots(world, contact)) __builtin_prefetch(spotsOf(world, contact).data());
-}
-
 /// The law for many contacts at once, or null where they go one by one.
 LawInLanes chooseLanes(const WorldOptions& options) {
   return options.noBatches || options.energy ? nullptr : lawInLanes(options.law, options.lawOptions);
@@ -145,7 +136,6 @@ void applyLawInLanes(double dt, LawInLanes law, World::Chunk& chunk, World& worl
   chunk.pulls.resize(chunk.contacts.size());
   std::size_t firstOfPair = 0;
   for (std::size_t k = 0; k < chunk.contacts.size(); ++k) {
-    if (k + farAhead < chunk.contacts.size()) fetchSpots(world, chunk.contacts[k + farAhead]);
     batch.add(chunk.contacts[k], findHistory(world, chunk, k, firstOfPair), chunk.pulls[k]);
   }
   batch.finish();
