@@ -57,6 +57,14 @@ class Outline {
     pieces[count++] = closing;
   }
 
+  /// Depths below 0 are round-off.
+  void levelRoundOff() {
+    for (std::size_t k = 0; k < count; ++k) {
+      pieces[k].depthFrom = larger(pieces[k].depthFrom, Wide{});
+      pieces[k].depthTo = larger(pieces[k].depthTo, Wide{});
+    }
+  }
+
   std::size_t size() const { return count; }
   const Piece& operator[](std::size_t k) const { return pieces[k]; }
 
@@ -64,6 +72,26 @@ class Outline {
   std::array<Piece, 9> pieces;
   std::size_t count = 4;
 };
+
+/// The triangles of the first `cells` lanes, cell by cell.
+void addTriangles(const Outline& outline, const Wide& depth, std::size_t cells, const OverlapLane (&targets)[wideSize],
+                  PowerTriangles& triangles) {
+  const Wide perDepth = 1 / depth;
+  std::array<Wide, 9> twice, from, to;
+  for (std::size_t n = 0; n < outline.size(); ++n) {
+    twice[n] = magnitude(cross(outline[n].from, outline[n].to));
+    from[n] = perDepth * outline[n].depthFrom;
+    to[n] = perDepth * outline[n].depthTo;
+  }
+  for (std::size_t i = 0; i < cells; ++i) {
+    for (std::size_t n = 0; n < outline.size(); ++n) {
+      if (!(twice[n][i] > 0)) continue;
+      const Piece& piece = outline[n];
+      triangles.add({piece.from.x[i], piece.from.y[i], piece.to.x[i], piece.to.y[i], from[n][i], to[n][i], twice[n][i]},
+                    targets[i]);
+    }
+  }
+}
 
 }  // namespace
 
@@ -97,6 +125,7 @@ void BoxCells::integrate(PowerTriangles& triangles) {
     outline.clip([&](const Place& p, const Wide&) -> Wide { return cell.highX - p.x; });
     outline.clip([&](const Place& p, const Wide&) -> Wide { return p.y - cell.lowY; });
     outline.clip([&](const Place& p, const Wide&) -> Wide { return cell.highY - p.y; });
+    outline.levelRoundOff();
 
     const std::size_t last = std::min(count - k, wideSize);
     Mask<Wide> used = Wide{} < 1;
@@ -106,16 +135,11 @@ void BoxCells::integrate(PowerTriangles& triangles) {
       targets[i] = target[std::min(k + i, count - 1)];
     }
     Fan fan;
-    const Wide perDepth = 1 / cell.depth;
     for (std::size_t n = 0; n < outline.size(); ++n) {
-      // Depths below 0 are round-off.
       const Piece& piece = outline[n];
-      const Wide from = larger(piece.depthFrom, Wide{}), to = larger(piece.depthTo, Wide{});
-      fan.add(piece.from, piece.to, cell.depth, from, to, used);
-      if (!triangles.isWanted()) continue;
-      const Wide twice = magnitude(cross(piece.from, piece.to));
-      triangles.add(piece.from, piece.to, perDepth * from, perDepth * to, twice, both(used, twice > 0), targets);
+      fan.add(piece.from, piece.to, cell.depth, piece.depthFrom, piece.depthTo, used);
     }
+    if (triangles.isWanted()) addTriangles(outline, cell.depth, last, targets, triangles);
 
     // Each to its contact.
     const auto found = fan.sums();

@@ -11,10 +11,9 @@ void store(const Fan& fan, OverlapLanes& sums) {
   const auto found = fan.sums();
   for (std::size_t n = 0; n < found.size(); ++n) storeWide(found[n], sums.moment[n]);
 }
-/// To those that triangles may have brought already.
-void addPowers(const Wide& area, const Wide& x, const Wide& y, int exponent, OverlapLanes& sums) {
+void storePowers(const Wide& area, const Wide& x, const Wide& y, int exponent, OverlapLanes& sums) {
   const auto found = powersOfTips(area, x, y, exponent);
-  for (std::size_t n = 0; n < found.size(); ++n) storeWide(loadWide(sums.power[n]) + found[n], sums.power[n]);
+  for (std::size_t n = 0; n < found.size(); ++n) storeWide(found[n], sums.power[n]);
 }
 
 /// Of the guest's face across its edge j at the corner: how its height over the contact plane rises.
@@ -110,8 +109,7 @@ void beginOverlap(const FaceLook<Wide>& look, const Mask<Wide>& chosen, Overlaps
   sums = {};
   Fan fan;
   Wide tips{}, tipsX{}, tipsY{};
-  OverlapLane targets[wideSize];
-  for (std::size_t k = 0; k < wideSize; ++k) targets[k] = {&sums, k};
+  overlaps.triangles.makeRoom(9 * wideSize);  // tips come first
   std::array<Mask<Wide>, 3> beyond;
   for (std::size_t j = 0; j < 3; ++j) {
     // From the corner along both edges of the face, as far as there is depth; then across, as far as there is.
@@ -140,7 +138,11 @@ void beginOverlap(const FaceLook<Wide>& look, const Mask<Wide>& chosen, Overlaps
       tips += area;
       tipsX += (1.0 / 3) * area * (p.x + q.x);
       tipsY += (1.0 / 3) * area * (p.y + q.y);
-      overlaps.triangles.add(p, q, depthP / depth, depthQ / depth, twice, both(~isTip, twice > 0), targets);
+      const Wide overP = depthP / depth, overQ = depthQ / depth;
+      for (std::size_t k = 0; k < wideSize; ++k) {
+        if (isTip[k] || !(twice[k] > 0)) continue;
+        overlaps.triangles.add({p.x[k], p.y[k], q.x[k], q.y[k], overP[k], overQ[k], twice[k]}, {&sums, k});
+      }
     };
     add(p1, depth1, p12, depth12);
     add(p12, depth12, p21, depth21);
@@ -148,7 +150,7 @@ void beginOverlap(const FaceLook<Wide>& look, const Mask<Wide>& chosen, Overlaps
     beyond[j] = seen & ~inside;
   }
   store(fan, sums);
-  if (overlaps.triangles.isWanted()) addPowers(tips, tipsX, tipsY, overlaps.triangles.exponent(), sums);
+  if (overlaps.triangles.isWanted()) storePowers(tips, tipsX, tipsY, overlaps.triangles.exponent(), sums);
   for (std::size_t j = 0; j < 3; ++j) {
     if (!any(beyond[j])) continue;
     const Triple<Wide>&e = look.edges[j == 2 ? 0 : j + 1], &f = look.edges[j == 0 ? 2 : j - 1];
@@ -189,8 +191,8 @@ void beginOverlap(const EdgeLook<Wide>& look, const Mask<Wide>& chosen, Overlaps
   }
   store(fan, sums);
   if (overlaps.triangles.isWanted()) {
-    addPowers(sums[OverlapLanes::area], sums[OverlapLanes::x], sums[OverlapLanes::y], overlaps.triangles.exponent(),
-              sums);
+    storePowers(sums[OverlapLanes::area], sums[OverlapLanes::x], sums[OverlapLanes::y], overlaps.triangles.exponent(),
+                sums);
   }
   for (std::size_t q = 0; q < 4; ++q) {
     if (!any(beyond[q])) continue;

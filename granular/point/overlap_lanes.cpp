@@ -2,20 +2,16 @@
 
 namespace granular {
 
-void PowerTriangles::add(const Place& p, const Place& q, const Wide& overP, const Wide& overQ, const Wide& twice,
-                         const Mask<Wide>& chosen, const OverlapLane (&targets)[wideSize]) {
-  if (count + wideSize > capacity) integrate();
-  for (std::size_t k = 0; k < wideSize; ++k) {
-    if (!chosen[k]) continue;
-    px[count] = p.x[k];
-    py[count] = p.y[k];
-    qx[count] = q.x[k];
-    qy[count] = q.y[k];
-    depthP[count] = overP[k];
-    depthQ[count] = overQ[k];
-    area[count] = 0.5 * twice[k];
-    target[count++] = targets[k];
-  }
+void PowerTriangles::add(const Triangle& triangle, const OverlapLane& whose) {
+  makeRoom(1);
+  px[count] = triangle.px;
+  py[count] = triangle.py;
+  qx[count] = triangle.qx;
+  qy[count] = triangle.qy;
+  depthP[count] = triangle.depthP;
+  depthQ[count] = triangle.depthQ;
+  area[count] = 0.5 * triangle.twice;
+  target[count++] = whose;
 }
 
 // The recurrence of depth_powers.h for three corners, the first of them the origin with a depth of 1: what belongs to

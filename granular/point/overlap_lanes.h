@@ -47,10 +47,16 @@ class PowerTriangles {
   bool isWanted() const { return power > 0; }
   int exponent() const { return power; }
 
-  /// Adds the triangles of the lanes chosen: the origin, p, q; the depths at p and q over that at the origin; twice the
-  /// area. targets: of each lane.
-  void add(const Place& p, const Place& q, const Wide& depthP, const Wide& depthQ, const Wide& twice,
-           const Mask<Wide>& chosen, const OverlapLane (&targets)[wideSize]);
+  /// A triangle: the origin, p, q; the depths at p and q over that at the origin; twice the area.
+  struct Triangle {
+    double px, py, qx, qy, depthP, depthQ, twice;
+  };
+  void add(const Triangle& triangle, const OverlapLane& whose);
+  /// No call of add() until then integrates: `many` more triangles, at most `capacity`, are only put by.
+  void makeRoom(std::size_t many) {
+    if (count + many > capacity) integrate();
+  }
+  /// Adds them to their contacts, in the order in which they were added: what a contact gets does not depend on others.
   void integrate();
 
  private:

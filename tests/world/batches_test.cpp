@@ -268,6 +268,55 @@ std::vector<Case> boxCases() {
 INSTANTIATE_TEST_SUITE_P(World, Cuboids, ::testing::ValuesIn(boxCases()),
                          [](const auto& info) { return info.param.name; });
 
+// Pairs of other bodies, between theirs in the order of ids, change who shares a register and when it is full.
+TEST(Cuboids, InBatchesMoveByTheSameBitsWhoeverSharesTheirBatch) {
+  for (const PointRule rule : {PointRule::patch, PointRule::stiffPatch}) {
+    std::unique_ptr<World> worlds[2];
+    for (const bool crowded : {false, true}) {
+      WorldOptions options;
+      options.rule.rule = rule;
+      worlds[crowded] = testing::makeEmptyWorld(options);
+      World& world = *worlds[crowded];
+      world.walls.push_back(makePlaneWall(Vec3::Zero(), Vec3::UnitZ()));
+      const std::int32_t shape = world.addShape(std::make_shared<Cuboid>(Vec3(1e-3, .8e-3, 1.2e-3)));
+      Random random(3), others(4);
+      for (int k = 0; k < 125; ++k) {
+        NewBody body;
+        body.shapeIndex = shape;
+        const auto draw = [&](Random& from) {
+          body.pose.x = 2.3e-3 * Vec3(k % 5, k / 5 % 5, k / 25 + .7);
+          body.pose.q = from.rotation();
+          body.velocity = Vec3(k % 5 < 2 ? .2 : -.2, k / 5 % 5 < 2 ? .2 : -.2, 0);
+        };
+        draw(random);
+        world.addBody(body);
+        if (!crowded || k % 3 == 2) continue;
+        draw(others);
+        body.pose.x.x() += 1;
+        world.addBody(body);
+      }
+      startHalfSteps(world, 5e-6, 0, true);
+    }
+    const auto stateOfThese = [](const World& world) {
+      std::vector<double> state;
+      for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+        if (world.bodies.x[i].x() > .5) continue;
+        for (int k = 0; k < 3; ++k) state.insert(state.end(), {world.bodies.x[i][k], world.bodies.w[i][k]});
+      }
+      return state;
+    };
+    std::size_t contacts = 0, crowd = 0;
+    for (int n = 0; n < 1000; ++n) {
+      for (auto& world : worlds) step(*world, 5e-6);
+      ASSERT_TRUE(isSameBits(stateOfThese(*worlds[0]), stateOfThese(*worlds[1]))) << "step " << n;
+      contacts += worlds[0]->contactCount();
+      crowd += worlds[1]->contactCount();
+    }
+    EXPECT_GT(contacts, 5000u);
+    EXPECT_GT(crowd, contacts * 4 / 3);
+  }
+}
+
 /// Bodies that fall together between walls, one of which shakes; three materials, one frictionless, one without
 /// damping.
 std::unique_ptr<World> makeGrains(const WorldOptions& options,
