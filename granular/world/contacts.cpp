@@ -3,6 +3,7 @@
 
 #include "granular/narrow/bullet_manifold.h"
 #include "granular/narrow/ellipsoid_batch.h"
+#include "granular/point/witness.h"
 #include "granular/shape/polyhedron.h"
 #include "granular/world/clump_contacts.h"
 #include "granular/world/looks.h"
@@ -179,10 +180,10 @@ void startChunk(World::Chunk& chunk) {
 bool beginLook(World& world, std::int32_t index, Look& look) {
   const Bodies& bodies = world.bodies;
   const Pair& pair = world.pairs.pairs[at(index)];
+  if (isQuiet(world, pair)) return false;  // holds no contact either
   const std::size_t a = at(pair.a), b = at(pair.b);
   std::vector<Contact>& held = world.pairs.memory.held;
   if (at(pair.slot) < held.size()) held[at(pair.slot)].a = -1;
-  if (isQuiet(world, pair)) return false;
   look.travel = bodies.travel[a] + bodies.travel[b];
   look.index = index;
   look.shift = world.options.periods.shift(pair.image);
@@ -249,6 +250,7 @@ namespace {
 void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   const Bodies& bodies = world.bodies;
   const Pair& pair = world.pairs.pairs[at(index)];
+  if (isQuiet(world, pair)) return;
   const std::size_t a = at(pair.a), b = at(pair.b);
   const bool hasClump = world.anyClump && (asClump(*bodies.shape[a]) || asClump(*bodies.shape[b]));
   if (hasClump) world.pairs.memory.clumps[at(pair.slot)].held.clear();
@@ -452,6 +454,11 @@ void placeContactPoints(std::size_t c, World& world) {
     const std::size_t b = at(contact.b);
     Frame frameB = bodies.frame[b];
     frameB.x += contact.shift;
+    const bool ofBalls = contact.spot.childA >= 0 && contact.spot.childB >= 0;
+    if (ofBalls && rule.rule != PointRule::faceCentroid) {
+      placeWitness(contact.touch, contact.patch);  // what all these rules make of two balls
+      continue;
+    }
     if (contact.spot.ofClump()) {
       const PlacedChild childA = placeChild(*bodies.shape[a], bodies.frame[a], contact.spot.childA);
       const PlacedChild childB = placeChild(*bodies.shape[b], frameB, contact.spot.childB);

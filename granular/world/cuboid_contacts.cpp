@@ -73,9 +73,9 @@ class CuboidLooks {
   /// Looks at a pair; its contact, if there is one, is the chunk's next.
   void take(std::int32_t index) {
     const Pair& pair = world.pairs.pairs[at(index)];
+    if (isQuiet(world, pair)) return;
     std::vector<Contact>& held = world.pairs.memory.held;
     if (at(pair.slot) < held.size()) held[at(pair.slot)].a = -1;
-    if (isQuiet(world, pair)) return;
     const WarmCache& cache = world.pairs.memory.cache[at(pair.slot)];
     if (cache.touched == 0) {
       Look look;
