@@ -21,6 +21,7 @@
 #include "granular/io/problems.h"
 #include "granular/io/scene_checks.h"
 #include "granular/io/scene_keys.h"
+#include "granular/io/toml_characters.h"
 
 namespace granular {
 namespace {
@@ -57,13 +58,14 @@ std::vector<std::string> splitPath(std::string_view path) {
 
 /// TOML where it is TOML, otherwise the text itself, so that --set radius=25mm needs no quotes.
 toml::table parseOverrideValue(const std::string& value) {
+  const std::string text = "value = " + value;
   try {
-    return toml::parse("value = " + value);
+    if (!findStrayCharacter(text)) return toml::parse(text);
   } catch (const toml::parse_error&) {
-    toml::table table;
-    table.insert("value", value);
-    return table;
   }
+  toml::table table;
+  table.insert("value", value);
+  return table;
 }
 
 /// The child of a table or array that a path names; tables that aren't there yet are made.
@@ -475,6 +477,13 @@ class SceneReader : public KeyVisitor {
 }  // namespace
 
 Scene parseScene(std::string_view text, const fs::path& path, const std::vector<std::string>& overrides) {
+  if (const auto stray = findStrayCharacter(text)) {
+    const std::string_view before = text.substr(0, *stray);
+    throw InputError(
+        fmt::format("{}:{}:{}: a letter or sign beyond ASCII outside of quotes and comments; keys have none",
+                    path.string(), 1 + std::count(before.begin(), before.end(), '\n'),
+                    1 + *stray - std::min(before.size(), before.rfind('\n') + 1)));
+  }
   toml::table root;
   try {
     root = toml::parse(text, path.string());

@@ -6,6 +6,7 @@
 #include "granular/core/errors.h"
 #include "granular/core/random.h"
 #include "granular/io/scene_file.h"
+#include "granular/io/toml_characters.h"
 
 namespace granular {
 namespace {
@@ -161,6 +162,29 @@ TEST(Scene, EverySectionIsRead) {
   EXPECT_DOUBLE_EQ(*scene.output.frames, 0.01);
   EXPECT_NEAR(scene.analysis.alphaStep, pi / 90, 1e-15);
   EXPECT_EQ(scene.limits.onTrouble, LimitSettings::Action::proceed);
+}
+
+TEST(Scene, LettersBeyondAsciiArePartOfStringsAndCommentsOnly) {
+  const auto find = [](std::string_view text) { return findStrayCharacter(text); };
+  for (const char* fine :
+       {"a = \"\xC2\xB5m\" # \xC2\xB0", "\xEF\xBB\xBF# mark\na = 1", "a = '\xC2\xB5\\'\nb = 1",
+        "a = \"\"\"\n\xC2\xB5 \\\n x\xC2\xB5\"\"\" # \"", "a = '''\xC2\xB5\n\xC2\xB5'''", "a = \"\\\"\xC2\xB5\""})
+    EXPECT_FALSE(find(fine)) << fine;
+  EXPECT_EQ(find("\xC3\xA9 = 1"), 0u);
+  EXPECT_EQ(find("a = 1 \xC2\xB5"), 6u);
+  EXPECT_EQ(find("a = \"\" \xC2\xB5"), 7u);
+  EXPECT_EQ(find("# \xC2\xB5\n\xEF\xBB\xB9 = 1"), 5u);
+  EXPECT_EQ(find("a = \"\"\"x\\ \n \xC2\xB5\"\"\""), 12u);
+  EXPECT_EQ(find("a = \"open\n\xC2\xB5"), 10u);
+  try {
+    parseScene(
+        "seed = 1\ngr\xC3\xB6\xC3\x9F"
+        "e = 2\n",
+        "here.toml", {});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("here.toml:2:3: "), std::string::npos) << error.what();
+  }
 }
 
 TEST(Scene, UnknownKeyIsNamedWithItsPlaceAndTheNearestKnownOne) {
