@@ -26,6 +26,12 @@ Progress::Progress() : Progress(std::cerr, {isatty(STDERR_FILENO) == 1, 0.5, 10,
 
 void Progress::report(double done, const std::function<std::string()>& text) {
   const double now = options.now();
+  if (!begun) {
+    // A resumed run has much behind it that took no time here.
+    begun = true;
+    baseDone = done;
+    baseTime = now;
+  }
   if (now - last < (options.terminal ? options.terminalPeriod : options.logPeriod)) return;
   last = now;
 

@@ -38,6 +38,7 @@ class Progress {
   std::size_t width = 0;  ///< of the renewed line
   // Speed over the recent past: share and time at its beginning.
   double baseDone = 0, baseTime = 0;
+  bool begun = false;
 };
 
 /// "3 s", "2 min 05 s", "1 h 12 min".

@@ -25,6 +25,17 @@ TEST(Progress, ShowsTheTimeLeftAtASteadySpeed) {
   EXPECT_EQ(text.find('\r'), std::string::npos);
 }
 
+TEST(Progress, OfAResumedRunCountsFromWhereItWentOn) {
+  std::ostringstream out;
+  double clock = 1;
+  Progress progress(out, {false, 0.5, 10, [&] { return clock; }});
+  const auto text = [] { return std::string("standing"); };
+  progress.report(0.6, text);
+  clock = 21;
+  progress.report(0.7, text);
+  EXPECT_NE(out.str().find(" 70 %  standing  20 s, 1 min 00 s left"), std::string::npos) << out.str();
+}
+
 TEST(Progress, RenewsOneLineOnATerminal) {
   std::ostringstream out;
   double clock = 0;
