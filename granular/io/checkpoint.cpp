@@ -10,6 +10,7 @@
 #include <fstream>
 #include <span>
 
+#include "granular/core/child_process.h"
 #include "granular/io/digest.h"
 
 namespace granular {
@@ -280,6 +281,82 @@ std::map<std::string, DataSet> readHdf5(const fs::path& path) {
   return content;
 }
 
+/// What a child that reads sends ahead of every data set: the lengths of what follows. name 0: there are no more; -1: a
+/// failure, with its reason as the unit.
+struct Announcement {
+  std::int64_t name = 0, unit = 0, description = 0, bytes = 0;
+  std::uint64_t rows = 0, width = 0;
+  std::int32_t type = 0, single = 0;
+};
+
+void sendText(int pipe, const std::string& text) { writeToParent(pipe, text.data(), text.size()); }
+
+void readAndSend(const fs::path& path, int pipe) {
+  Announcement next;
+  try {
+    for (const auto& [name, set] : readHdf5(path)) {
+      next = {std::ssize(name),
+              std::ssize(set.unit),
+              std::ssize(set.description),
+              std::ssize(set.bytes),
+              set.rows,
+              set.width,
+              static_cast<int>(set.type),
+              set.single};
+      writeToParent(pipe, &next, sizeof next);
+      for (const std::string& text : {name, set.unit, set.description}) sendText(pipe, text);
+      writeToParent(pipe, set.bytes.data(), set.bytes.size());
+    }
+    next = {};
+    writeToParent(pipe, &next, sizeof next);
+  } catch (const std::exception& error) {
+    const std::string reason = error.what();
+    next = {};
+    next.name = -1;
+    next.unit = std::ssize(reason);
+    writeToParent(pipe, &next, sizeof next);
+    sendText(pipe, reason);
+  }
+}
+
+/// The content of a file as HDF5 reads it in a process of its own: HDF5 crashes on files made to break it, and the
+/// digest is no signature. Throws std::runtime_error with the reason.
+std::map<std::string, DataSet> readInChild(const fs::path& path) {
+  const auto fileBytes = static_cast<std::int64_t>(fs::file_size(path));
+  // Content may be packed; what it takes to read it is a few times that.
+  const std::int64_t most = (std::int64_t{64} << 20) + 64 * fileBytes;
+  ChildProcess child("HDF5", {(std::int64_t{1} << 30) + 4 * most, 60 + 1e-6 * static_cast<double>(fileBytes)},
+                     [&](int pipe) { readAndSend(path, pipe); });
+  const auto fail = [&] { throw std::runtime_error(child.finish()); };
+  const auto readText = [&](std::int64_t length) {
+    if (length < 0 || length > 200000) fail();
+    std::string text(static_cast<std::size_t>(length), '\0');
+    if (!child.read(text.data(), text.size())) fail();
+    return text;
+  };
+  std::map<std::string, DataSet> content;
+  for (;;) {
+    Announcement next;
+    if (!child.read(&next, sizeof next)) fail();
+    if (next.name < 0) throw std::runtime_error(readText(next.unit));
+    if (next.name == 0) return content;
+    const std::string name = readText(next.name);
+    DataSet& set = content[name];
+    set.unit = readText(next.unit);
+    set.description = readText(next.description);
+    set.type = static_cast<ElementType>(next.type);
+    set.rows = next.rows;
+    set.width = next.width;
+    set.single = next.single != 0;
+    const bool known = next.type >= 0 && next.type <= static_cast<std::int32_t>(ElementType::text);
+    if (!known || next.bytes < 0 || next.bytes > most || next.width == 0 || next.width > 1000 ||
+        static_cast<std::uint64_t>(next.bytes) / next.width / elementSize(set.type) != next.rows)
+      fail();
+    set.bytes.resize(static_cast<std::size_t>(next.bytes));
+    if (!child.read(set.bytes.data(), set.bytes.size())) fail();
+  }
+}
+
 }  // namespace
 
 void saveCheckpoint(const fs::path& folder, const Archive& archive) {
@@ -323,7 +400,7 @@ Archive loadCheckpoint(const fs::path& fileOrFolder) {
   if (const std::string damage = findDamage(path); !damage.empty())
     throw InputError(fmt::format("{}: the checkpoint can't be used: {}{}", path.string(), damage, hint));
   try {
-    return Archive(readHdf5(path), path.string());
+    return Archive(readInChild(path), path.string());
   } catch (const std::runtime_error& error) {
     throw InputError(fmt::format("{}: the checkpoint can't be used: {}{}", path.string(), error.what(), hint));
   }

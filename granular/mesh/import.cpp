@@ -5,33 +5,16 @@
 #include <assimp/importerdesc.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <poll.h>
-#include <signal.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
-#include <cerrno>
-#include <chrono>
-#include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <map>
 #include <set>
 
+#include "granular/core/child_process.h"
 #include "granular/core/errors.h"
 #include "granular/mesh/repair.h"
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define GRANULAR_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define GRANULAR_SANITIZED 1
-#endif
-#endif
 
 namespace granular {
 namespace {
@@ -46,17 +29,6 @@ struct Announcement {
 };
 
 // --- in the child ---
-
-void writeAll(int pipe, const void* data, std::size_t bytes) {
-  const char* at = static_cast<const char*>(data);
-  while (bytes > 0) {
-    const ssize_t written = ::write(pipe, at, bytes);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) ::_exit(3);
-    at += written;
-    bytes -= static_cast<std::size_t>(written);
-  }
-}
 
 // Keeps the loaders of the supported formats.
 void unregisterOtherLoaders(Assimp::Importer& importer) {
@@ -131,8 +103,8 @@ void sendFailure(int pipe, const std::string& message) {
   Announcement announcement;
   announcement.failed = 1;
   announcement.messageBytes = static_cast<std::int64_t>(message.size());
-  writeAll(pipe, &announcement, sizeof announcement);
-  writeAll(pipe, message.data(), message.size());
+  writeToParent(pipe, &announcement, sizeof announcement);
+  writeToParent(pipe, message.data(), message.size());
 }
 
 // Everything the loader finds; throws std::runtime_error with the loader's reason.
@@ -153,115 +125,16 @@ void loadAndSend(const std::string& path, MeshFormat format, int pipe) try {
   announcement.vertices = static_cast<std::int64_t>(mesh.vertices.size());
   announcement.triangles = static_cast<std::int64_t>(mesh.triangles.size());
   announcement.otherPrimitives = mesh.otherPrimitives;
-  writeAll(pipe, &announcement, sizeof announcement);
-  writeAll(pipe, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
-  writeAll(pipe, mesh.triangles.data(), mesh.triangles.size() * sizeof(std::array<int, 3>));
+  writeToParent(pipe, &announcement, sizeof announcement);
+  writeToParent(pipe, mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
+  writeToParent(pipe, mesh.triangles.data(), mesh.triangles.size() * sizeof(std::array<int, 3>));
 } catch (const std::bad_alloc&) {
   sendFailure(pipe, "out of memory");
 } catch (const std::exception& error) {
   sendFailure(pipe, error.what());
 }
 
-void limitChild(std::int64_t memoryBytes, double seconds) {
-  const auto limit = [](auto resource, std::int64_t soft) {
-    const rlimit value{static_cast<rlim_t>(soft), static_cast<rlim_t>(soft)};
-    ::setrlimit(resource, &value);
-  };
-  limit(RLIMIT_CORE, 0);
-  limit(RLIMIT_CPU, static_cast<std::int64_t>(seconds) + 1);
-#ifdef GRANULAR_SANITIZED
-  // A sanitizer reserves terabytes of address space: memory stays unlimited there.
-  (void)memoryBytes;
-#else
-  // The child begins with the parent's address space; the budget comes on top.
-  std::ifstream statm("/proc/self/statm");
-  std::int64_t pages = 0;
-  statm >> pages;
-  limit(RLIMIT_AS, pages * ::sysconf(_SC_PAGESIZE) + memoryBytes);
-#endif
-}
-
 // --- in the parent ---
-
-// The child and the reading end of its pipe; killed and waited for whatever happens.
-class Child {
- public:
-  Child(const std::string& path, MeshFormat format, std::int64_t memoryBytes, double seconds)
-      : clockLimit(2 * seconds) {
-    std::array<int, 2> ends{};
-    require(::pipe(ends.data()) == 0, "mesh " + path + ": no pipe to the importer: " + std::strerror(errno));
-    std::fflush(nullptr);
-    process = ::fork();
-    if (process == 0) {
-      ::close(ends[0]);
-      // What a crashing loader prints is of no use to anyone.
-      if (std::freopen("/dev/null", "w", stderr) == nullptr || std::freopen("/dev/null", "w", stdout) == nullptr)
-        ::_exit(3);
-      for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL}) ::signal(signal, SIG_DFL);
-      limitChild(memoryBytes, seconds);
-      loadAndSend(path, format, ends[1]);
-      ::_exit(0);
-    }
-    ::close(ends[1]);
-    pipe = ends[0];
-    if (process < 0) {
-      ::close(pipe);
-      throw InputError("mesh " + path + ": no process for the importer: " + std::strerror(errno));
-    }
-    start = std::chrono::steady_clock::now();
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  ~Child() { finish(); }
-
-  // Reads exactly so many bytes; false when the child ended or its time is over.
-  bool read(void* data, std::size_t bytes) {
-    char* at = static_cast<char*>(data);
-    while (bytes > 0) {
-      const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-      const int left = static_cast<int>(1000 * (clockLimit - passed.count()));
-      pollfd waiting{pipe, POLLIN, 0};
-      const int ready = left > 0 ? ::poll(&waiting, 1, left) : 0;
-      if (ready < 0 && errno == EINTR) continue;
-      timedOut = ready == 0;
-      if (ready <= 0) return false;
-      const ssize_t got = ::read(pipe, at, bytes);
-      if (got < 0 && errno == EINTR) continue;
-      if (got <= 0) return false;
-      at += got;
-      bytes -= static_cast<std::size_t>(got);
-    }
-    return true;
-  }
-
-  // Why the child ended, in words.
-  std::string finish() {
-    if (process <= 0) return "";
-    ::close(pipe);
-    if (timedOut) ::kill(process, SIGKILL);
-    int status = 0;
-    while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
-    }
-    process = 0;
-    if (timedOut || (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL))) {
-      return "the loader took more than its time and was stopped; the file is malformed or too big";
-    }
-    if (WIFSIGNALED(status))
-      return "the loader crashed on it (signal " + std::to_string(WTERMSIG(status)) + "); the file is malformed";
-    return "the loader gave no answer; the file is malformed";
-  }
-
- private:
-  pid_t process = 0;
-  int pipe = -1;
-  double clockLimit;
-  bool timedOut = false;
-  std::chrono::steady_clock::time_point start;
-};
-
-}  // namespace
-
-namespace {
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason) {
   throw InputError("mesh " + path + ": " + reason);
@@ -285,9 +158,10 @@ void checkCounts(const std::string& path, const MeshHeader& header, const Announ
   }
 }
 
-RawMesh loadInChild(const std::string& path, const MeshHeader& header, const ImportLimits& limits) {
+RawMesh loadInChild(const std::string& path, const MeshHeader& header, const ImportLimits& limits) try {
   const std::int64_t automatic = std::min((std::int64_t{512} << 20) + 64 * header.bytes, std::int64_t{8} << 30);
-  Child child(path, header.format, limits.memoryBytes > 0 ? limits.memoryBytes : automatic, limits.seconds);
+  ChildProcess child("the loader", {limits.memoryBytes > 0 ? limits.memoryBytes : automatic, limits.seconds},
+                     [&](int pipe) { loadAndSend(path, header.format, pipe); });
 
   Announcement announcement;
   if (!child.read(&announcement, sizeof announcement)) refuse(path, child.finish());
@@ -306,6 +180,10 @@ RawMesh loadInChild(const std::string& path, const MeshHeader& header, const Imp
     refuse(path, child.finish());
   }
   return mesh;
+} catch (const InputError&) {
+  throw;
+} catch (const std::runtime_error& error) {
+  refuse(path, error.what());
 }
 
 RawMesh loadHere(const std::string& path, const MeshHeader& header) {
