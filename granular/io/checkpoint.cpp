@@ -323,9 +323,7 @@ void readAndSend(const fs::path& path, int pipe) {
 /// digest is no signature. Throws std::runtime_error with the reason.
 std::map<std::string, DataSet> readInChild(const fs::path& path) {
   const auto fileBytes = static_cast<std::int64_t>(fs::file_size(path));
-  // Content may be packed; what it takes to read it is a few times that.
-  const std::int64_t most = (std::int64_t{64} << 20) + 64 * fileBytes;
-  ChildProcess child("HDF5", {(std::int64_t{1} << 30) + 4 * most, 60 + 1e-6 * static_cast<double>(fileBytes)},
+  ChildProcess child("HDF5", {(std::int64_t{1} << 30) + 4 * fileBytes, 60 + 1e-6 * static_cast<double>(fileBytes)},
                      [&](int pipe) { readAndSend(path, pipe); });
   const auto fail = [&] { throw std::runtime_error(child.finish()); };
   const auto readText = [&](std::int64_t length) {
@@ -348,8 +346,9 @@ std::map<std::string, DataSet> readInChild(const fs::path& path) {
     set.rows = next.rows;
     set.width = next.width;
     set.single = next.single != 0;
+    // Content is not packed: no set is longer than the file.
     const bool known = next.type >= 0 && next.type <= static_cast<std::int32_t>(ElementType::text);
-    if (!known || next.bytes < 0 || next.bytes > most || next.width == 0 || next.width > 1000 ||
+    if (!known || next.bytes < 0 || next.bytes > fileBytes || next.width == 0 || next.width > 1000 ||
         static_cast<std::uint64_t>(next.bytes) / next.width / elementSize(set.type) != next.rows)
       fail();
     set.bytes.resize(static_cast<std::size_t>(next.bytes));

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "granular/core/wide.h"
+#include "granular/narrow/polyhedron_features.h"
 
 namespace granular {
 
@@ -50,16 +51,6 @@ struct EdgeLook : CuboidLook<Real> {
   std::array<Real, 2> seatCosine,
       guestCosine;  ///< to the normal, of the faces that hold these edges and the touching one
 };
-
-/// isGlobal (polyhedron_features.h) for a normal that makes `along` with the line of centres; across: what is left of
-/// it.
-template <class Real>
-Mask<Real> isGlobalInLanes(const Real& depth, const Real& margin, const Real& along, const Real& across,
-                           const Real& inner) {
-  const Real k = depth / choose(margin > 0, margin, Real(Real{} + 1)), k2 = k * k;
-  const Mask<Real> covers = (inner - depth) * (1 + k2) + along * (1 - k2) - 2 * k * across >= 0;
-  return both(both(margin >= depth, along >= 0), covers);
-}
 
 /// True where none of the fifteen axes (Gottschalk, Lin and Manocha 1996) has less depth than this one, by more than
 /// the tie. In the seat's axes: the guest's, and its centre. ownEdges: the first two edges cross at this very depth.
@@ -128,7 +119,7 @@ FaceLook<Real> lookAtFace(const CuboidPair<Real>& p) {
   const Real margin = smaller(Real(p.seatHalf.x - magnitude(corner.x)), Real(p.seatHalf.y - magnitude(corner.y)));
   look.holds = both(clear, margin >= -p.tie);
   const Real across = squareRoot(Real(centre.x * centre.x + centre.y * centre.y));
-  look.proven = isGlobalInLanes(look.depth, larger(margin, Real{}), centre.z, across, p.inner);
+  look.proven = isGlobal(look.depth, larger(margin, Real{}), centre.z, across, p.inner);
   if (!all(look.proven)) {
     look.proven = either(look.proven, isLeastOfAllAxes(p, look.axes, centre, look.depth, false));
   }
@@ -188,7 +179,7 @@ EdgeLook<Real> lookAtEdges(const CuboidPair<Real>& p) {
   const Real margin = sine * smaller(Real(p.seatHalf.x - magnitude(onSeat)), Real(p.guestHalf.x - magnitude(onGuest)));
   look.holds = both(crosses, margin >= -p.tie);
   const Real across = squareRoot(Real(away.x * away.x + away.y * away.y));
-  look.proven = isGlobalInLanes(look.depth, larger(margin, Real{}), away.z, across, p.inner);
+  look.proven = isGlobal(look.depth, larger(margin, Real{}), away.z, across, p.inner);
   if (!all(look.proven)) {
     look.proven = either(look.proven, isLeastOfAllAxes(p, {edge, other1, other2}, centre, look.depth, true));
   }

@@ -3,6 +3,7 @@
 // edges), and the feature is a local minimum exactly when the origin's foot on the facet's plane lies within the facet.
 #pragma once
 
+#include "granular/core/wide.h"
 #include "granular/narrow/descent.h"
 #include "granular/shape/polyhedron.h"
 
@@ -34,15 +35,20 @@ FeatureCheck checkEdges(const PolyhedronTables& a, std::int32_t edgeA, const Pol
 FeatureCheck checkTiedFace(const PolyhedronTables& reference, std::int32_t face, const PolyhedronTables& other,
                            const Frame& frame, double tie);
 
+/// isGlobal below for one pair or several side by side, by what of x lies along the normal and across it.
+template <class Real>
+Mask<Real> isGlobal(const Real& depth, const Real& margin, const Real& along, const Real& across, const Real& inner) {
+  const Real k = depth / choose(margin > 0, margin, Real(Real{} + 1)), k2 = k * k;
+  const Mask<Real> covers = (inner - depth) * (1 + k2) + along * (1 - k2) - 2 * k * across >= 0;
+  return both(both(margin >= depth, along >= 0), covers);
+}
+
 /// True if a local minimum is proven to be the global one by three parts of C: the disk of radius `margin` on its
 /// facet, which covers all directions within 2 atan(margin/depth) of the normal, and the ball of radius `inner` (the
 /// sum of the inner radii) about minus B's centre x, which must cover the rest.
 inline bool isGlobal(const Vec3& normal, double depth, double margin, const Vec3& x, double inner) {
-  const double along = x.dot(normal);
-  if (!(margin >= depth) || along < 0) return false;
-  const double k = depth / margin, k2 = k * k;
-  const double across = std::sqrt(std::max(0.0, x.squaredNorm() - along * along));
-  return (inner - depth) * (1 + k2) + along * (1 - k2) - 2 * k * across >= 0;
+  const double along = x.dot(normal), across = std::sqrt(std::max(0.0, x.squaredNorm() - along * along));
+  return isGlobal(depth, margin, along, across, inner);
 }
 
 }  // namespace granular

@@ -53,17 +53,12 @@ struct Group {
   }
 };
 
-/// A vector in space per lane, taken out one by one.
-struct Spread {
-  double x[wideSize], y[wideSize], z[wideSize];
-
-  explicit Spread(const Triple<Wide>& v) {
-    storeWide(v.x, x);
-    storeWide(v.y, y);
-    storeWide(v.z, z);
-  }
-  Vec3 operator[](std::size_t k) const { return {x[k], y[k], z[k]}; }
-};
+/// In memory, to be taken out one by one.
+TripleLanes<wideSize> spreadOut(const Triple<Wide>& v) {
+  TripleLanes<wideSize> lanes;
+  lanes.store(0, v);
+  return lanes;
+}
 
 class CuboidLooks {
  public:
@@ -94,12 +89,20 @@ class CuboidLooks {
 
   /// Ends the looks begun. After that contacts whose `a` is -1 are none.
   void finish() {
-    endGroups(faces, faceGroups);
-    endGroups(edges, edgeGroups);
+    finish(faces);
+    finish(edges);
   }
 
  private:
   static constexpr std::size_t most = 2;  // their lanes and cells stay in the first cache
+
+  /// Groups of one kind; those closed wait for their integrals.
+  template <class AnyLook>
+  struct Groups {
+    std::array<Group<AnyLook>, most> all;
+    std::size_t closed = 0;
+    Group<AnyLook>& open() { return all[closed]; }
+  };
 
   /// Both bodies of a contact.
   struct Boxes {
@@ -121,14 +124,12 @@ class CuboidLooks {
     const Vec3& seatHalf = (seatIsA ? boxes.a : boxes.b).halfLengths();
     const Vec3& guestHalf = (seatIsA ? boxes.b : boxes.a).halfLengths();
     const int i = seatIsA ? cache.featureA : cache.featureB, k = i == 2 ? 0 : i + 1, l = 3 - i - k;
-    Group<FaceLook<Wide>>& group = faces[faceGroups];
+    Group<FaceLook<Wide>>& group = faces.open();
     group.add({chunk.contacts.size() - 1, contact.pair, seatIsA},
               {seat.col(k), seat.col(l), seat.col(i), guest.col(0), guest.col(1), guest.col(2),
                Vec3(seatHalf[k], seatHalf[l], seatHalf[i]), guestHalf, seatIsA ? boxes.between : Vec3(-boxes.between)},
               cuboidTie(boxes.a, boxes.b), boxes.a.innerRadius() + boxes.b.innerRadius());
-    if (group.count < wideSize) return;
-    begin(group, lookAtFace(group.load()));
-    if (++faceGroups == most) endGroups(faces, faceGroups);
+    if (group.count == wideSize) close(faces);
   }
 
   void addEdges(const Contact& contact, const WarmCache& cache) {
@@ -137,15 +138,13 @@ class CuboidLooks {
     const Vec3 &seatHalf = boxes.a.halfLengths(), &guestHalf = boxes.b.halfLengths();
     const int i = cache.featureA, k = i == 2 ? 0 : i + 1, l = 3 - i - k;
     const int j = cache.featureB, m = j == 2 ? 0 : j + 1, o = 3 - j - m;
-    Group<EdgeLook<Wide>>& group = edges[edgeGroups];
+    Group<EdgeLook<Wide>>& group = edges.open();
     group.add(
         {chunk.contacts.size() - 1, contact.pair, true},
         {seat.col(i), seat.col(k), seat.col(l), guest.col(j), guest.col(m), guest.col(o),
          Vec3(seatHalf[i], seatHalf[k], seatHalf[l]), Vec3(guestHalf[j], guestHalf[m], guestHalf[o]), boxes.between},
         cuboidTie(boxes.a, boxes.b), boxes.a.innerRadius() + boxes.b.innerRadius());
-    if (group.count < wideSize) return;
-    begin(group, lookAtEdges(group.load()));
-    if (++edgeGroups == most) endGroups(edges, edgeGroups);
+    if (group.count == wideSize) close(edges);
   }
 
   template <class AnyLook>
@@ -159,26 +158,33 @@ class CuboidLooks {
     beginOverlap(look, chosen, overlaps, group.sums);
   }
 
-  /// Ends the groups, the last of which may be part full, and empties them.
-  void endGroups(std::array<Group<FaceLook<Wide>>, most>& groups, std::size_t& full) {
-    if (full < most && groups[full].count > 0) begin(groups[full], lookAtFace(groups[full].load())), ++full;
-    endAll(groups, full);
+  static FaceLook<Wide> lookAt(Group<FaceLook<Wide>>& group) { return lookAtFace(group.load()); }
+  static EdgeLook<Wide> lookAt(Group<EdgeLook<Wide>>& group) { return lookAtEdges(group.load()); }
+
+  /// Takes the looks of the open group; ends all when there is no room for another.
+  template <class AnyLook>
+  void close(Groups<AnyLook>& groups) {
+    begin(groups.open(), lookAt(groups.open()));
+    if (++groups.closed == most) endAll(groups);
   }
-  void endGroups(std::array<Group<EdgeLook<Wide>>, most>& groups, std::size_t& full) {
-    if (full < most && groups[full].count > 0) begin(groups[full], lookAtEdges(groups[full].load())), ++full;
-    endAll(groups, full);
+
+  /// Ends the looks of all groups, the open one of which may be part full, and empties them.
+  template <class AnyLook>
+  void finish(Groups<AnyLook>& groups) {
+    if (groups.open().count > 0) close(groups);
+    if (groups.closed > 0) endAll(groups);
   }
   template <class AnyLook>
-  void endAll(std::array<Group<AnyLook>, most>& groups, std::size_t& full) {
+  void endAll(Groups<AnyLook>& groups) {
     overlaps.finish();
-    for (std::size_t g = 0; g < full; ++g) end(groups[g]);
-    full = 0;
+    for (std::size_t g = 0; g < groups.closed; ++g) end(groups.all[g]);
+    groups.closed = 0;
   }
 
   template <class AnyLook>
   void end(Group<AnyLook>& group) {
     const AnyLook& look = group.look;
-    const Spread x(look.x), z(look.z), middle(look.middle);
+    const auto x = spreadOut(look.x), z = spreadOut(look.z), middle = spreadOut(look.middle);
     for (std::size_t k = 0; k < group.count; ++k) {
       const Waiting& one = group.waiting[k];
       const bool apart = !(look.depth[k] > 0);
@@ -186,8 +192,8 @@ class CuboidLooks {
         takeAlone(one);
       } else {
         ++chunk.counts.warm;
-        const Vec3 normal = one.seatIsA ? z[k] : Vec3(-z[k]);
-        apart ? part(one, normal, -look.depth[k]) : touch(one, normal, look.depth[k], middle[k]);
+        const Vec3 normal = one.seatIsA ? z.take(k) : Vec3(-z.take(k));
+        apart ? part(one, normal, -look.depth[k]) : touch(one, normal, look.depth[k], middle.take(k));
       }
     }
     if (places) place(group, x);
@@ -241,10 +247,10 @@ class CuboidLooks {
   }
 
   template <class AnyLook>
-  void place(const Group<AnyLook>& group, const Spread& x) {
+  void place(const Group<AnyLook>& group, const TripleLanes<wideSize>& x) {
     const AnyLook& look = group.look;
     const PatchLanes patch = endOverlap(look, group.sums, world.options.rule);
-    const Spread point(patch.point), centre(patch.centre);
+    const auto point = spreadOut(patch.point), centre = spreadOut(patch.centre);
     for (std::size_t k = 0; k < group.count; ++k) {
       const Waiting& one = group.waiting[k];
       if (look.holds[k] == 0 || look.proven[k] == 0 || !(look.depth[k] > 0)) continue;
@@ -254,10 +260,10 @@ class CuboidLooks {
         continue;
       }
       const Vec3 seat = seatPlace(one, contact);
-      placePoint(seat + point[k], x[k], look.depth[k], contact.patch);
+      placePoint(seat + point.take(k), x.take(k), look.depth[k], contact.patch);
       contact.patch.depth = patch.depth[k];
       contact.patch.squaredDepth = patch.squaredDepth[k];
-      contact.patch.centre = seat + centre[k];
+      contact.patch.centre = seat + centre.take(k);
       contact.patch.area = patch.area[k];
       contact.patch.uu = patch.xx[k];
       contact.patch.vv = patch.yy[k];
@@ -269,9 +275,8 @@ class CuboidLooks {
   World& world;
   World::Chunk& chunk;
   const bool places;
-  std::array<Group<FaceLook<Wide>>, most> faces;
-  std::array<Group<EdgeLook<Wide>>, most> edges;
-  std::size_t faceGroups = 0, edgeGroups = 0;
+  Groups<FaceLook<Wide>> faces;
+  Groups<EdgeLook<Wide>> edges;
   OverlapsInLanes overlaps;
 };
 

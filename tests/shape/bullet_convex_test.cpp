@@ -3,12 +3,12 @@
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
-#include <BulletCollision/CollisionShapes/btConvexInternalShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "examples/extend/superellipsoid.h"
 #include "granular/core/errors.h"
 #include "granular/core/random.h"
 #include "granular/shape/cone.h"
@@ -20,35 +20,17 @@
 namespace granular {
 namespace {
 
-/// What a user might write: a superellipsoid |x/a|^p + |y/b|^p + |z/c|^p = 1 about an odd centre, odd margin left
-/// alone.
-class Superellipsoid : public btConvexInternalShape {
+/// What a user might write, about an odd centre, odd margin left alone.
+class Superellipsoid : public extend::Superellipsoid {
  public:
   Superellipsoid(const Vec3& semiAxes, double exponent, const Vec3& centre)
-      : axes(semiAxes), power(exponent), middle(centre) {
-    m_shapeType = CUSTOM_CONVEX_SHAPE_TYPE;
-  }
+      : extend::Superellipsoid(semiAxes, exponent), middle(centre.x(), centre.y(), centre.z()) {}
   btVector3 localGetSupportingVertexWithoutMargin(const btVector3& d) const override {
-    const double dual = power / (power - 1);
-    Vec3 p;
-    double sum = 0;
-    for (int k = 0; k < 3; ++k) sum += std::pow(std::abs(axes[k] * d[k]), dual);
-    for (int k = 0; k < 3; ++k) {
-      p[k] = std::copysign(axes[k] * std::pow(std::abs(axes[k] * d[k]), dual - 1) / std::pow(sum, 1 / power), d[k]);
-    }
-    p += middle;
-    return {p.x(), p.y(), p.z()};
+    return extend::Superellipsoid::localGetSupportingVertexWithoutMargin(d) + middle;
   }
-  void batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector3* d, btVector3* p, int n) const override {
-    for (int k = 0; k < n; ++k) p[k] = localGetSupportingVertexWithoutMargin(d[k]);
-  }
-  void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }
-  const char* getName() const override { return "superellipsoid"; }
 
  private:
-  Vec3 axes;
-  double power;
-  Vec3 middle;
+  btVector3 middle;
 };
 
 void expectSameMeasures(const BulletConvex& found, const Shape& exact, double tolerance) {

@@ -62,16 +62,22 @@ struct Case {
 };
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
+/// What make(options) makes, worked on in batches and one by one, started.
+template <class Make>
+std::array<std::unique_ptr<World>, 2> makeBothWays(WorldOptions options, const Make& make) {
+  std::array<std::unique_ptr<World>, 2> worlds;
+  for (const bool oneByOne : {false, true}) {
+    options.noBatches = oneByOne;
+    worlds[oneByOne] = make(options);
+    startHalfSteps(*worlds[oneByOne], 5e-6, 0, true);
+  }
+  return worlds;
+}
+
 class Balls : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Balls, InBatchesHaveTheSameBitsAsOneByOne) {
-  std::unique_ptr<World> worlds[2];
-  for (const bool oneByOne : {false, true}) {
-    WorldOptions options = GetParam().options;
-    options.noBatches = oneByOne;
-    worlds[oneByOne] = makeBalls(options, 7);
-    startHalfSteps(*worlds[oneByOne], 5e-6, 0, true);
-  }
+  const auto worlds = makeBothWays(GetParam().options, [](const WorldOptions& o) { return makeBalls(o, 7); });
   std::size_t contacts = 0, sliding = 0, batched = 0;
   for (int n = 0; n < 400; ++n) {
     for (auto& world : worlds) step(*world, 5e-6);
@@ -120,27 +126,24 @@ INSTANTIATE_TEST_SUITE_P(World, Balls, ::testing::ValuesIn(cases()), [](const au
 
 TEST(Ellipsoids, LookedAtInBatchesHaveTheSameBitsAsOneByOne) {
   for (const LawKind law : {LawKind::linear, LawKind::hertz}) {
-    std::unique_ptr<World> worlds[2];
-    for (const bool oneByOne : {false, true}) {
-      WorldOptions options;
-      options.noBatches = oneByOne;
-      options.law = law;
-      options.sleep.on = law == LawKind::linear;
-      options.sleep.time = 1e-3;
-      options.sleep.energy = 1;
+    WorldOptions options;
+    options.law = law;
+    options.sleep.on = law == LawKind::linear;
+    options.sleep.time = 1e-3;
+    options.sleep.energy = 1;
+    const auto worlds = makeBothWays(options, [](const WorldOptions& o) {
       ContactParameters contact;
       setElasticity({1e7, .3}, {1e7, .3}, contact);
       contact.dampingRateN = contact.dampingRateT = 200;
-      worlds[oneByOne] = testing::makeEmptyWorld(options, contact);
-      World& world = *worlds[oneByOne];
+      auto world = testing::makeEmptyWorld(o, contact);
       const double pitch = 2.6e-3;
-      testing::addBoxOfPlanes(0.5 * pitch * 6, world);
+      testing::addBoxOfPlanes(0.5 * pitch * 6, *world);
       const std::vector<std::int32_t> shapes = {
-          world.addShape(std::make_shared<Ellipsoid>(Vec3(1e-3, 1e-3, 1.28e-3))),
-          world.addShape(std::make_shared<Ellipsoid>(Vec3(.6e-3, 1.28e-3, 1e-3)))};
-      testing::addLattice(shapes, 6, pitch, 100, world);
-      startHalfSteps(world, 5e-6, 0, true);
-    }
+          world->addShape(std::make_shared<Ellipsoid>(Vec3(1e-3, 1e-3, 1.28e-3))),
+          world->addShape(std::make_shared<Ellipsoid>(Vec3(.6e-3, 1.28e-3, 1e-3)))};
+      testing::addLattice(shapes, 6, pitch, 100, *world);
+      return world;
+    });
     std::size_t contacts = 0;
     for (int n = 0; n < 2000; ++n) {
       for (auto& world : worlds) step(*world, 5e-6);
@@ -355,13 +358,8 @@ void PrintTo(const Grains& grains, std::ostream* out) { *out << grains.name; }
 class Contacts : public ::testing::TestWithParam<Grains> {};
 
 TEST_P(Contacts, PressedInLanesHaveTheSameBitsAsOneByOne) {
-  std::unique_ptr<World> worlds[2];
-  for (const bool oneByOne : {false, true}) {
-    WorldOptions options = GetParam().options;
-    options.noBatches = oneByOne;
-    worlds[oneByOne] = makeGrains(options, GetParam().shapes);
-    startHalfSteps(*worlds[oneByOne], 5e-6, 0, true);
-  }
+  const auto worlds =
+      makeBothWays(GetParam().options, [](const WorldOptions& o) { return makeGrains(o, GetParam().shapes); });
   std::size_t contacts = 0, sliding = 0, areas = 0, atWalls = 0;
   for (int n = 0; n < 2000; ++n) {
     for (auto& world : worlds) step(*world, 5e-6);
