@@ -32,12 +32,19 @@ std::string joinPath(const std::string& path, std::string_view name) {
   return path.empty() ? std::string(name) : path + '.' + std::string(name);
 }
 
-/// A value as the file spells it, shortened for a message.
+/// A value in one line, shortened for a message.
 std::string showValue(const toml::node& node) {
   std::ostringstream out;
-  node.visit([&](const auto& n) { out << n; });
-  std::string text = out.str();
-  std::replace(text.begin(), text.end(), '\n', ' ');
+  // Not as TOML: toml++ 3.3 takes the logarithm of numbers in lists for their length, and numbers below 1 have none.
+  if (node.is_array() || node.is_table())
+    out << toml::json_formatter(node);
+  else
+    node.visit([&](const auto& n) { out << n; });
+  std::string text;
+  for (const char c : out.str()) {
+    const bool space = c == ' ' || c == '\n';
+    if (!space || (!text.empty() && text.back() != ' ')) text += space ? ' ' : c;
+  }
   constexpr std::size_t longest = 80;
   return text.size() <= longest ? text : text.substr(0, longest) + "...";
 }

@@ -53,7 +53,10 @@ struct ContactLanes {
   Lanes centreArm, u;
   Lane uu, vv, uv;
   Lane stiffness, stiffnessRatio, dampingN, dampingT, friction;  ///< of LawConstants, dampingN as the tension asks
-  Lanes spring, oldNormal;                                       ///< the history: in, and out as the law leaves it
+  // Read if lawReadsCurvature: as in ContactMotion, and of LawConstants.
+  Lane radius, squaredDepth;
+  Lane hertz, mindlin, dampingRateN, dampingRateT, pulledDamping;  ///< the last one: dampingN with the tension kept
+  Lanes spring, oldNormal;                                         ///< the history: in, and out as the law leaves it
   Lane twist;
   // Out, as in ContactForce; torques about either centre; sliding: 0 or 1.
   Lanes force, couple, torqueA, torqueB;
@@ -65,6 +68,13 @@ struct ContactLanes {
     dampingN[k] = c.dampingN[tension];
     dampingT[k] = c.dampingT;
     friction[k] = c.parameters.friction;
+  }
+  void putElasticity(std::size_t k, const LawConstants& c) {
+    hertz[k] = c.hertz;
+    mindlin[k] = c.mindlin;
+    dampingRateN[k] = c.parameters.dampingRateN;
+    dampingRateT[k] = c.parameters.dampingRateT;
+    pulledDamping[k] = c.dampingN[1];
   }
   void putHistory(std::size_t k, const ContactHistory& history) {
     spring.put(k, history.spring);

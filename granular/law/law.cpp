@@ -8,6 +8,7 @@
 #include "granular/core/open_table.h"
 #include "granular/law/account.h"
 #include "granular/law/hertz.h"
+#include "granular/law/hertz_lanes.h"
 #include "granular/law/linear.h"
 #include "granular/law/linear_lanes.h"
 #include "granular/law/tensor.h"
@@ -37,9 +38,10 @@ constexpr std::array<LawRow, 5> ownLaws = {{
      nullptr, applyLinearLawInLanes},
     {"linear_local", applyLinearLocalLaw, findAnywhere<findLocalStiffness>, accountSprings<findLocalStiffness>, true},
     {"tensor", applyTensorLaw, findAnywhere<summariseTensorStiffness>, accountTensor, true},
-    {"hertz", applyHertzLaw, findSlope<findHertzStiffness>, accountHertz<findHertzStiffness>, false, true},
+    {"hertz", applyHertzLaw, findSlope<findHertzStiffness>, accountHertz<findHertzStiffness>, false, true, nullptr,
+     applyHertzLawInLanes},
     {"hertz_mindlin", applyHertzMindlinLaw, findSlope<findMindlinStiffness>, accountHertz<findMindlinStiffness>, false,
-     true, shortenGrownSpring},
+     true, shortenGrownSpring, applyHertzMindlinLawInLanes},
 }};
 constinit OpenTable<LawRow, LawKind> laws("contact law", ownLaws);
 

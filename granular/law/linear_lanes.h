@@ -31,18 +31,22 @@ struct WideMotion {
 /// ContactStiffness, without the share.
 struct WideStiffness {
   Wide normal, tangential, dampingNormal, dampingTangential;
-
-  WideStiffness(const ContactLanes& s, std::size_t k) : normal(s.stiffness.load(k)) {
-    const Wide inverseMu = s.a.inverseMass.load(k) + s.b.inverseMass.load(k);
-    const Wide inverseMt = inverseMu + s.a.radiusRatio.load(k) + s.b.radiusRatio.load(k);
-    const Wide product = 1 / (inverseMu * inverseMt);
-    const Wide mu = inverseMt * product;
-    const Wide root = squareRoot(normal * mu);
-    tangential = normal * s.stiffnessRatio.load(k) * inverseMu * inverseMu * product;
-    dampingTangential = s.dampingT.load(k) * root * inverseMu * inverseMu * product;
-    dampingNormal = s.dampingN.load(k) * root;
-  }
 };
+
+/// findLinearStiffness.
+inline WideStiffness findLinearStiffness(const ContactLanes& s, std::size_t k) {
+  const Wide inverseMu = s.a.inverseMass.load(k) + s.b.inverseMass.load(k);
+  const Wide inverseMt = inverseMu + s.a.radiusRatio.load(k) + s.b.radiusRatio.load(k);
+  const Wide product = 1 / (inverseMu * inverseMt);
+  const Wide mu = inverseMt * product;
+  WideStiffness given;
+  given.normal = s.stiffness.load(k);
+  const Wide root = squareRoot(given.normal * mu);
+  given.tangential = given.normal * s.stiffnessRatio.load(k) * inverseMu * inverseMu * product;
+  given.dampingTangential = s.dampingT.load(k) * root * inverseMu * inverseMu * product;
+  given.dampingNormal = s.dampingN.load(k) * root;
+  return given;
+}
 
 /// A patch's normal force, and its couple about the contact point.
 inline Wide pressPatch(const ContactLanes& s, std::size_t k, const WideMotion& m, const Wide& elastic,
@@ -142,50 +146,54 @@ inline void twistPatch(const WideMotion& m, const Wide& stiffness, const Wide& d
   s.twist.store(k, choose(twists, twist, Wide{}));
 }
 
+/// pressAndRub of the contacts in a register.
+inline void pressAndRub(const LawOptions& options, const WideMotion& m, const WideStiffness& given, std::size_t k,
+                        ContactLanes& s) {
+  const Triple<Wide>& n = m.normal;
+  const Wide elastic = m.share * given.normal * m.overlap, damping = m.share * given.dampingNormal;
+  const Wide stiffnessT = m.share * given.tangential, dampingT = m.share * given.dampingTangential;
+
+  // Normal force, signed: > 0 pushes apart.
+  Triple<Wide> couple{};
+  Wide push = elastic + damping * n.dot(m.velocity);
+  if (!options.tension) push = larger(push, Wide{});
+  const Mask<Wide> hasArea = s.area.load(k) > Wide{};
+  const bool anyArea = any(hasArea);
+  if (anyArea) {
+    Triple<Wide> ofPatch;
+    push = choose(hasArea, pressPatch(s, k, m, elastic, damping, options.tension, ofPatch), push);
+    couple = choose<Wide>(hasArea, ofPatch, couple);
+  }
+
+  // Friction, and a patch's friction against twisting. No friction, no history.
+  const Wide friction = s.friction.load(k);
+  const Mask<Wide> rubs = friction != Wide{};
+  const Wide limit = friction * (options.frictionOfPush ? larger(push, Wide{}) : magnitude(push));
+  Triple<Wide> spring = s.spring.load(k);
+  Mask<Wide> slides;
+  const Triple<Wide> drag =
+      rubTangentially(m, stiffnessT, dampingT, limit, options.slideAlongVelocity, s.oldNormal.load(k), spring, slides);
+  if (anyArea) {
+    twistPatch(m, stiffnessT, dampingT, limit, rubs, k, s, couple);
+  } else {
+    s.twist.store(k, Wide{});
+  }
+  const Triple<Wide> along = -push * n;
+  const Triple<Wide> force = choose<Wide>(rubs, along - drag, along);
+  s.spring.store(k, choose<Wide>(rubs, spring, Triple<Wide>{}));
+  s.oldNormal.store(k, choose<Wide>(rubs, n, Triple<Wide>{}));
+  s.force.store(k, force);
+  s.couple.store(k, couple);
+  s.torqueA.store(k, s.a.arm.load(k).cross(force) + couple);
+  s.torqueB.store(k, -1.0 * s.b.arm.load(k).cross(force) - couple);
+  s.normalForce.store(k, push);
+  s.sliding.store(k, choose(both(rubs, slides), spread(1), Wide{}));
+}
+
 /// The law of the contacts of a batch.
 inline void applyLinearLawInLanes(const LawOptions& options, ContactLanes& s) {
   for (std::size_t k = 0; k < s.count; k += wideSize) {
-    const WideMotion m(s, k);
-    const WideStiffness given(s, k);
-    const Triple<Wide>& n = m.normal;
-    const Wide elastic = m.share * given.normal * m.overlap, damping = m.share * given.dampingNormal;
-    const Wide stiffnessT = m.share * given.tangential, dampingT = m.share * given.dampingTangential;
-
-    // Normal force, signed: > 0 pushes apart.
-    Triple<Wide> couple{};
-    Wide push = elastic + damping * n.dot(m.velocity);
-    if (!options.tension) push = larger(push, Wide{});
-    const Mask<Wide> hasArea = s.area.load(k) > Wide{};
-    const bool anyArea = any(hasArea);
-    if (anyArea) {
-      Triple<Wide> ofPatch;
-      push = choose(hasArea, pressPatch(s, k, m, elastic, damping, options.tension, ofPatch), push);
-      couple = choose<Wide>(hasArea, ofPatch, couple);
-    }
-
-    // Friction, and a patch's friction against twisting. No friction, no history.
-    const Wide friction = s.friction.load(k);
-    const Mask<Wide> rubs = friction != Wide{};
-    const Wide limit = friction * (options.frictionOfPush ? larger(push, Wide{}) : magnitude(push));
-    Triple<Wide> spring = s.spring.load(k);
-    Mask<Wide> slides;
-    const Triple<Wide> drag = rubTangentially(m, stiffnessT, dampingT, limit, options.slideAlongVelocity,
-                                              s.oldNormal.load(k), spring, slides);
-    if (anyArea) {
-      twistPatch(m, stiffnessT, dampingT, limit, rubs, k, s, couple);
-    } else {
-      s.twist.store(k, Wide{});
-    }
-    const Triple<Wide> along = -push * n;
-    const Triple<Wide> force = choose<Wide>(rubs, along - drag, along);
-    s.spring.store(k, choose<Wide>(rubs, spring, Triple<Wide>{}));
-    s.oldNormal.store(k, choose<Wide>(rubs, n, Triple<Wide>{}));
-    s.force.store(k, force);
-    s.couple.store(k, couple);
-    s.torqueA.store(k, s.a.arm.load(k).cross(force) + couple);
-    s.torqueB.store(k, -1.0 * s.b.arm.load(k).cross(force) - couple);
-    s.normalForce.store(k, push);
-    s.sliding.store(k, choose(both(rubs, slides), spread(1), Wide{}));
+    pressAndRub(options, WideMotion(s, k), findLinearStiffness(s, k), k, s);
   }
 }
 

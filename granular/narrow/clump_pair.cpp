@@ -8,18 +8,6 @@
 namespace granular {
 namespace {
 
-struct Ball {
-  Vec3 centre;
-  double radius;
-};
-
-/// A child of a placed clump, or a placed sphere.
-Ball placeBall(const Shape& shape, const Frame& frame, std::int32_t child) {
-  if (child < 0) return {frame.x, shape.boundingRadius()};
-  const ChildSphere& sphere = static_cast<const Clump&>(shape).children()[static_cast<std::size_t>(child)];
-  return {frame.toWorld(sphere.centre), sphere.radius};
-}
-
 /// Two trees, B's nodes seen in A's axes: whichever node is larger is opened first.
 void searchTrees(const SphereTree& treeA, const SphereTree& treeB, const Frame& fromBToA, double reach,
                  std::vector<ChildPair>& out) {
@@ -86,14 +74,9 @@ void findNearChildren(const ClumpPairView& pair, double reach, std::vector<Child
   });
 }
 
-bool meetsBalls(const Shape& a, const Shape& b) {
-  const auto isOfBalls = [](const Shape& s) { return s.kind() == ShapeKind::sphere || s.kind() == ShapeKind::clump; };
-  return isOfBalls(a) && isOfBalls(b);
-}
-
 double touchBallChildren(const ClumpPairView& pair, const ChildPair& children, Touch& touch) {
-  const Ball a = placeBall(pair.a, pair.frameA, children.childA);
-  const Ball b = placeBall(pair.b, pair.frameB, children.childB);
+  const PlacedBall a = placeBall(pair.a, pair.frameA, children.childA);
+  const PlacedBall b = placeBall(pair.b, pair.frameB, children.childB);
   const BallLook look = lookAtBalls(a.centre, a.radius, b.centre, b.radius);
   if (look.overlap > 0) fillBallTouch(look, a.centre, a.radius, touch);
   return look.overlap;

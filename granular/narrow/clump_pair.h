@@ -22,8 +22,12 @@ struct ClumpPairView {
 /// more where the other body is convex and not round.
 void findNearChildren(const ClumpPairView& pair, double reach, std::vector<ChildPair>& out);
 
-/// True if children only meet balls: clumps and spheres.
-bool meetsBalls(const Shape& a, const Shape& b);
+/// True of clumps and spheres.
+inline bool isOfBalls(const Shape& shape) {
+  return shape.kind() == ShapeKind::sphere || shape.kind() == ShapeKind::clump;
+}
+/// True if children only meet balls.
+inline bool meetsBalls(const Shape& a, const Shape& b) { return isOfBalls(a) && isOfBalls(b); }
 
 /// Looks at one pair of children of two bodies that meetsBalls. Returns the overlap, and fills touch where it is
 /// positive; otherwise minus the gap.

@@ -31,9 +31,11 @@ struct ContactPull {
   Vec3 torqueA, torqueB;  ///< about either centre of mass, N m
 };
 
-/// A contact of two spheres in short; the rest of a Contact follows from the bodies and its pull.
+/// A contact of two balls, spheres or children of clumps, in short; the rest of a Contact follows from the bodies and
+/// its pull.
 struct BallContact {
-  std::int32_t pair;  ///< index in PairList::pairs
+  std::int32_t pair;            ///< index in PairList::pairs
+  std::int32_t childA, childB;  ///< as in Spot
   bool sliding, held;
   Vec3 normal;
   double overlap, normalForce;

@@ -81,4 +81,15 @@ inline PlacedChild placeChild(const Shape& shape, const Frame& frame, std::int32
           Frame(frame.R, frame.toWorld(clump.children()[static_cast<std::size_t>(child)].centre))};
 }
 
+/// A child of a placed clump, or a placed sphere (child < 0), as a ball.
+struct PlacedBall {
+  Vec3 centre;
+  double radius;
+};
+inline PlacedBall placeBall(const Shape& shape, const Frame& frame, std::int32_t child) {
+  if (child < 0) return {frame.x, shape.boundingRadius()};
+  const ChildSphere& sphere = static_cast<const Clump&>(shape).children()[static_cast<std::size_t>(child)];
+  return {frame.toWorld(sphere.centre), sphere.radius};
+}
+
 }  // namespace granular

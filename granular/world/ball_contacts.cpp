@@ -1,6 +1,7 @@
-// Contacts of spheres in batches: found, placed and pressed without the machinery that other shapes need. A chunk's
-// touching pairs are laid out side by side, each quantity in a lane of its own (law/contact_lanes.h); where they touch
-// is worked out for as many at once as a register holds, and the law goes on from there.
+// Contacts of spheres and of clumps, which are made of spheres, in batches: found, placed and pressed without the
+// machinery that other shapes need. A chunk's touching balls are laid out side by side, each quantity in a lane of its
+// own (law/contact_lanes.h); where they touch is worked out for as many at once as a register holds, and the law goes
+// on from there.
 //
 // Every number is made by the operations of lookAtPair, placeContact and the law in their order: the answers are the
 // same bits, which Balls.InBatchesHaveTheSameBitsAsOneByOne holds this file to.
@@ -9,7 +10,11 @@
 
 #include "granular/law/contact_lanes.h"
 #include "granular/narrow/ball_touch.h"
+#include "granular/narrow/clump_pair.h"
 #include "granular/point/witness.h"
+#include "granular/world/clump_contacts.h"
+#include "granular/world/looks.h"
+#include "granular/world/spots.h"
 #include "granular/world/stages.h"
 
 namespace granular {
@@ -17,63 +22,100 @@ namespace {
 
 std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
-/// A batch of touching pairs.
+/// A pair of bodies whose balls are looked at.
+struct BallPair {
+  std::int32_t index, a, b;  ///< in the list; body slots
+  Vec3 shift;                ///< of B's image
+};
+
+/// Two balls that touch.
+struct TouchingBalls {
+  std::int32_t childA, childB;  ///< as in Spot
+  Vec3 centreA, between;        ///< of A's ball; from there to the centre of B's
+  double distance, radiusA, radiusB;
+  double overlap() const { return radiusA + radiusB - distance; }
+};
+
+/// A batch of contacts.
 struct Batch {
   static constexpr std::size_t capacity = ContactLanes::capacity;
 
-  std::array<std::int32_t, capacity> pair, a, b, slot;
-  ContactLanes::Lanes xA, xB, shift, between;  // centres; of B's image; from A's centre to B's
-  ContactLanes::Lane distance, radiusA, radii;
+  std::array<std::int32_t, capacity> pair, a, b, childA, childB;
+  std::array<ContactHistory*, capacity> history;
+  ContactLanes::Lanes bodyA, bodyB, shift;  // centres of mass; of B's image
+  ContactLanes::Lanes ballA, between;       // centre of A's ball; from there to the centre of B's
+  ContactLanes::Lane distance, radiusA, radiusB;
   ContactLanes contacts;
 
   std::size_t count() const { return contacts.count; }
+  void add(const BallPair& of, const TouchingBalls& touch, ContactHistory& memory) {
+    const std::size_t k = contacts.count++;
+    pair[k] = of.index;
+    a[k] = of.a;
+    b[k] = of.b;
+    childA[k] = touch.childA;
+    childB[k] = touch.childB;
+    history[k] = &memory;
+    shift.put(k, of.shift);
+    ballA.put(k, touch.centreA);
+    between.put(k, touch.between);
+    distance[k] = touch.distance;
+    radiusA[k] = touch.radiusA;
+    radiusB[k] = touch.radiusB;
+  }
 };
 
 /// What the law reads of where two balls touch (narrow/ball_touch.h).
 void placeBalls(Batch& s) {
   for (std::size_t k = 0; k < s.count(); k += wideSize) {
-    const Wide distance = s.distance.load(k), inside = s.radii.load(k) - distance;
+    const Wide distance = s.distance.load(k), radiusA = s.radiusA.load(k), radiusB = s.radiusB.load(k);
+    const Wide radii = radiusA + radiusB, inside = radii - distance;
     const Triple<Wide> between = s.between.load(k);
     const Mask<Wide> apart = distance > Wide{};
     const Wide divisor = choose(apart, distance, spread(1));
     const Triple<Wide> along = {between.x / divisor, between.y / divisor, between.z / divisor};
     const Triple<Wide> n = choose<Wide>(apart, along, {spread(1), Wide{}, Wide{}});
-    const Triple<Wide> centreA = s.xA.load(k);
-    const Triple<Wide> middle = centreA + Wide(s.radiusA.load(k) - 0.5 * inside) * n;
+    const Triple<Wide> middle = s.ballA.load(k) + Wide(radiusA - 0.5 * inside) * n;
     const Triple<Wide> half = Wide(0.5 * inside) * n;
     const Triple<Wide> point = 0.5 * (middle + half + (middle - half));
     s.contacts.normal.store(k, n);
     s.contacts.overlap.store(k, inside);
-    s.contacts.a.arm.store(k, point - centreA);
-    s.contacts.b.arm.store(k, point - s.xB.load(k) - s.shift.load(k));
+    s.contacts.squaredDepth.store(k, inside * inside);
+    s.contacts.radius.store(k, radiusA * radiusB / radii);
+    s.contacts.a.arm.store(k, point - s.bodyA.load(k));
+    s.contacts.b.arm.store(k, point - s.bodyB.load(k) - s.shift.load(k));
   }
 }
 
 /// What the law reads of the bodies and remembers of the contacts.
 void loadBatch(const World& world, Batch& batch) {
   const Bodies& bodies = world.bodies;
+  const bool elastic = lawReadsCurvature(world.options.law);
   ContactLanes& contacts = batch.contacts;
   for (std::size_t k = 0; k < batch.count(); ++k) {
     const std::size_t a = at(batch.a[k]), b = at(batch.b[k]);
-    batch.xA.put(k, bodies.x[a]);
-    batch.xB.put(k, bodies.x[b]);
+    batch.bodyA.put(k, bodies.x[a]);
+    batch.bodyB.put(k, bodies.x[b]);
     contacts.a.put(k, bodies, a);
     contacts.b.put(k, bodies, b);
-    contacts.putConstants(k, world.materials.constants(bodies.material[a], bodies.material[b]),
-                          world.options.lawOptions.tension);
-    contacts.putHistory(k, world.pairs.memory.history[at(batch.slot[k])]);
+    const LawConstants& constants = world.materials.constants(bodies.material[a], bodies.material[b]);
+    contacts.putConstants(k, constants, world.options.lawOptions.tension);
+    if (elastic) contacts.putElasticity(k, constants);
+    contacts.putHistory(k, *batch.history[k]);
     contacts.share[k] = 1;
     contacts.area[k] = 0;
   }
 }
 
 /// Answers into the chunk, histories into the pairs' memory.
-void storeBatch(const Batch& batch, World& world, World::Chunk& chunk) {
+void storeBatch(const Batch& batch, World::Chunk& chunk) {
   const ContactLanes& contacts = batch.contacts;
   for (std::size_t k = 0; k < batch.count(); ++k) {
-    contacts.takeHistory(k, world.pairs.memory.history[at(batch.slot[k])]);
+    contacts.takeHistory(k, *batch.history[k]);
     BallContact& ball = chunk.balls.emplace_back();
     ball.pair = batch.pair[k];
+    ball.childA = batch.childA[k];
+    ball.childB = batch.childB[k];
     ball.sliding = contacts.sliding[k] != 0;
     ball.held = false;
     ball.normal = contacts.normal.take(k);
@@ -83,83 +125,151 @@ void storeBatch(const Batch& batch, World& world, World::Chunk& chunk) {
   }
 }
 
-void runBatch(LawInLanes law, Batch& batch, World& world, World::Chunk& chunk) {
-  loadBatch(world, batch);
-  placeBalls(batch);
-  law(world.options.lawOptions, batch.contacts);
-  storeBatch(batch, world, chunk);
-  batch.contacts.count = 0;
-}
-
-/// Looks at one pair; adds it to the batch if it touches.
-void lookAtBallPair(World& world, std::int32_t index, World::Chunk& chunk, Batch& batch) {
-  const Bodies& bodies = world.bodies;
-  Pair& pair = world.pairs.pairs[at(index)];
-  const std::size_t a = at(pair.a), b = at(pair.b), slot = at(pair.slot);
-  std::vector<Contact>& held = world.pairs.memory.held;
-  if (slot < held.size()) held[slot].a = -1;
-  const double travel = bodies.travel[a] + bodies.travel[b];
-  if (world.options.skips.separation && travel < pair.quietUntil) return;
-
-  ++chunk.counts.warm;
-  const Vec3 shift = world.options.periods.shift(pair.image);
-  const Vec3 between = (bodies.x[b] + shift) - bodies.x[a];
-  const double distance = between.norm();
-  const double radiusA = bodies.boundingRadius[a], radiusB = bodies.boundingRadius[b];
-  const double overlap = radiusA + radiusB - distance;
-  if (!(overlap > 0)) {
-    pair.quietUntil = travel + std::max(0.0, -overlap);
-    world.pairs.memory.history[slot] = ContactHistory{};
-    return;
+/// Makes the contacts of a chunk.
+class BallLooks {
+ public:
+  BallLooks(double dt, World& of, World::Chunk& into)
+      : world(of), chunk(into), law(lawInLanes(of.options.law, of.options.lawOptions)) {
+    batch.contacts.count = 0;
+    batch.contacts.dt = dt;
   }
-  const std::size_t k = batch.contacts.count++;
-  batch.pair[k] = index;
-  batch.a[k] = pair.a;
-  batch.b[k] = pair.b;
-  batch.slot[k] = pair.slot;
-  batch.shift.put(k, shift);
-  batch.between.put(k, between);
-  batch.distance[k] = distance;
-  batch.radiusA[k] = radiusA;
-  batch.radii[k] = radiusA + radiusB;
-  const double size = std::min(radiusA, radiusB);
-  if (overlap > chunk.deepest * size) {
-    chunk.deepest = overlap / size;
-    chunk.deepestContact = static_cast<std::int32_t>(chunk.balls.size() + k);
+
+  /// Looks at one pair; how many contacts it has.
+  std::size_t take(std::int32_t index) {
+    const Bodies& bodies = world.bodies;
+    Pair& pair = world.pairs.pairs[at(index)];
+    const std::size_t a = at(pair.a), b = at(pair.b);
+    const double travel = bodies.travel[a] + bodies.travel[b];
+    if (isQuiet(world, pair)) return 0;  // holds no contact either
+    const bool ofClump = world.anyClump && (asClump(*bodies.shape[a]) || asClump(*bodies.shape[b]));
+    forgetHeld(pair, ofClump);
+    return ofClump ? lookAtChildren(index, travel, pair) : lookAtSpheres(index, travel, pair);
   }
-}
+
+  /// How many contacts there are so far.
+  std::size_t count() const { return chunk.balls.size() + batch.count(); }
+
+  /// Through the law with what waits.
+  void finish() {
+    loadBatch(world, batch);
+    placeBalls(batch);
+    law(world.options.lawOptions, batch.contacts);
+    storeBatch(batch, chunk);
+    batch.contacts.count = 0;
+  }
+
+ private:
+  void forgetHeld(const Pair& pair, bool ofClump) {
+    PairMemory& memory = world.pairs.memory;
+    if (ofClump) return memory.clumps[at(pair.slot)].held.clear();
+    if (at(pair.slot) < memory.held.size()) memory.held[at(pair.slot)].a = -1;
+  }
+
+  BallPair view(std::int32_t index, const Pair& pair) const {
+    return {index, pair.a, pair.b, world.options.periods.shift(pair.image)};
+  }
+
+  void add(const BallPair& pair, const TouchingBalls& touch, double size, ContactHistory& history) {
+    const double overlap = touch.overlap();
+    if (overlap > chunk.deepest * size) {
+      chunk.deepest = overlap / size;
+      chunk.deepestContact = static_cast<std::int32_t>(count());
+    }
+    batch.add(pair, touch, history);
+    if (batch.count() == Batch::capacity) finish();
+  }
+
+  std::size_t lookAtSpheres(std::int32_t index, double travel, Pair& pair) {
+    const Bodies& bodies = world.bodies;
+    const std::size_t a = at(pair.a), b = at(pair.b);
+    const BallPair pairOfBalls = view(index, pair);
+    ++chunk.counts.warm;
+    const Vec3 between = (bodies.x[b] + pairOfBalls.shift) - bodies.x[a];
+    const TouchingBalls touch{
+        -1, -1, bodies.x[a], between, between.norm(), bodies.boundingRadius[a], bodies.boundingRadius[b]};
+    ContactHistory& history = world.pairs.memory.history[at(pair.slot)];
+    if (!(touch.overlap() > 0)) {
+      pair.quietUntil = travel + std::max(0.0, -touch.overlap());
+      history = ContactHistory{};
+      return 0;
+    }
+    add(pairOfBalls, touch, std::min(touch.radiusA, touch.radiusB), history);
+    return 1;
+  }
+
+  std::size_t lookAtChildren(std::int32_t index, double travel, Pair& pair) {
+    const Bodies& bodies = world.bodies;
+    const Shape &shapeA = *bodies.shape[at(pair.a)], &shapeB = *bodies.shape[at(pair.b)];
+    const BallPair pairOfBalls = view(index, pair);
+    Frame frameB = bodies.frame[at(pair.b)];
+    frameB.x += pairOfBalls.shift;
+    const ClumpPairView clumps{shapeA, bodies.frame[at(pair.a)], shapeB, frameB};
+    ClumpMemory& memory = world.pairs.memory.clumps[at(pair.slot)];
+    refreshChildren(world, clumps, travel, memory);
+
+    // All children that touch: their histories are found together.
+    touching.clear();
+    const double quiet = visitNearChildren(world, travel, memory.children, [&](std::size_t k) {
+      const ChildPair& children = memory.children.near[k];
+      ++chunk.counts.warm;
+      const PlacedBall ballA = placeBall(shapeA, clumps.frameA, children.childA);
+      const PlacedBall ballB = placeBall(shapeB, frameB, children.childB);
+      const Vec3 between = ballB.centre - ballA.centre;
+      const TouchingBalls touch{children.childA, children.childB, ballA.centre, between,
+                                between.norm(),  ballA.radius,    ballB.radius};
+      if (touch.overlap() > 0) touching.push_back(touch);
+      return touch.overlap();
+    });
+    if (touching.empty()) {
+      pair.quietUntil = quiet;
+      memory.spots.clear();
+      return 0;
+    }
+    matchSpots(memory.spots, touching.size(), [&](std::size_t k) {
+      return Spot{0, touching[k].childA, touching[k].childB};
+    });
+    const double size = std::min(shapeA.size(), shapeB.size());
+    for (std::size_t k = 0; k < touching.size(); ++k) add(pairOfBalls, touching[k], size, memory.spots[k].history);
+    return touching.size();
+  }
+
+  World& world;
+  World::Chunk& chunk;
+  const LawInLanes law;
+  // Large, and kept from call to call.
+  static thread_local Batch batch;
+  static thread_local std::vector<TouchingBalls> touching;
+};
+thread_local Batch BallLooks::batch{};
+thread_local std::vector<TouchingBalls> BallLooks::touching;
 
 }  // namespace
 
 void makeBallContacts(double dt, std::size_t c, World& world) {
   World::Chunk& chunk = world.chunks[c];
   startChunk(chunk);
-  const LawInLanes law = lawInLanes(world.options.law, world.options.lawOptions);
-  thread_local Batch batch{};
-  batch.contacts.count = 0;
-  batch.contacts.dt = dt;
+  BallLooks looks(dt, world, chunk);
   const std::size_t first = c * World::chunkSize;
   const std::size_t last = std::min(first + World::chunkSize, world.activePairs.size());
   for (std::size_t p = first; p < last; ++p) {
-    const auto before = static_cast<std::int32_t>(chunk.balls.size() + batch.count());
-    lookAtBallPair(world, world.activePairs[p], chunk, batch);
-    const auto after = static_cast<std::int32_t>(chunk.balls.size() + batch.count());
-    world.contactsOfPair[p] = {before, after - before};
-    if (batch.count() == Batch::capacity) runBatch(law, batch, world, chunk);
+    const std::size_t before = looks.count(), found = looks.take(world.activePairs[p]);
+    world.contactsOfPair[p] = {static_cast<std::int32_t>(before), static_cast<std::int32_t>(found)};
   }
-  runBatch(law, batch, world, chunk);
+  looks.finish();
 }
 
 Contact World::describeBall(const Chunk& chunk, std::size_t k) const {
   const BallContact& ball = chunk.balls[k];
   const ContactPull& pull = chunk.pulls[k];
   const std::size_t a = at(pull.a);
+  const PlacedBall ballA = placeBall(*bodies.shape[a], bodies.frame[a], ball.childA);
   Contact contact;
   contact.pair = ball.pair;
   contact.a = pull.a;
   contact.b = pull.b;
+  contact.spot = {0, ball.childA, ball.childB};
   contact.shift = options.periods.shift(pairs.pairs[at(ball.pair)].image);
-  fillBallTouch({ball.normal, ball.overlap}, bodies.x[a], bodies.boundingRadius[a], contact.touch);
+  fillBallTouch({ball.normal, ball.overlap}, ballA.centre, ballA.radius, contact.touch);
   placeWitness(contact.touch, contact.patch);
   contact.force = {pull.force, Vec3::Zero(), ball.normalForce, ball.sliding};
   contact.held = ball.held;

@@ -42,9 +42,14 @@ double reachOf(const World& world, double size) { return world.options.skin * si
 
 }  // namespace
 
+void refreshChildren(const World& world, const ClumpPairView& view, double travel, ClumpMemory& memory) {
+  if (world.options.skips.separation && travel < memory.children.validUntil) return;
+  relistChildren(view, reachOf(world, std::min(view.a.size(), view.b.size())), travel, meetsBalls(view.a, view.b),
+                 memory);
+}
+
 void lookAtClumpPair(World& world, std::int32_t index, double travel, World::Chunk& chunk) {
   const Bodies& bodies = world.bodies;
-  const bool skips = world.options.skips.separation;
   Pair& pair = world.pairs.pairs[at(index)];
   const Shape &shapeA = *bodies.shape[at(pair.a)], &shapeB = *bodies.shape[at(pair.b)];
   ClumpMemory& memory = world.pairs.memory.clumps[at(pair.slot)];
@@ -54,20 +59,12 @@ void lookAtClumpPair(World& world, std::int32_t index, double travel, World::Chu
   const ClumpPairView view{shapeA, bodies.frame[at(pair.a)], shapeB, frameB};
   const bool balls = meetsBalls(shapeA, shapeB);
   const double size = std::min(shapeA.size(), shapeB.size());
-  if (!skips || travel >= memory.children.validUntil) {
-    relistChildren(view, reachOf(world, size), travel, balls, memory);
-  }
+  refreshChildren(world, view, travel, memory);
 
-  // Each pair of children whose gap may be used up.
   const std::uint64_t uncertified = chunk.counts.uncertified;
   const std::size_t before = chunk.contacts.size();
-  double quiet = memory.children.validUntil;
-  for (std::size_t k = 0; k < memory.children.near.size(); ++k) {
-    ChildPair& children = memory.children.near[k];
-    if (skips && travel < children.quietUntil) {
-      quiet = std::min(quiet, children.quietUntil);
-      continue;
-    }
+  const double quiet = visitNearChildren(world, travel, memory.children, [&](std::size_t k) {
+    const ChildPair& children = memory.children.near[k];
     Touch touch;
     double overlap = 0;
     if (balls) {
@@ -77,11 +74,7 @@ void lookAtClumpPair(World& world, std::int32_t index, double travel, World::Chu
       overlap =
           touchChildAndConvex(view, children, !world.options.skips.feature, memory.caches[k], chunk.counts, touch);
     }
-    if (!(overlap > 0)) {
-      children.quietUntil = travel - overlap;
-      quiet = std::min(quiet, children.quietUntil);
-      continue;
-    }
+    if (!(overlap > 0)) return overlap;
     Contact& contact = chunk.contacts.emplace_back();
     contact.pair = index;
     contact.a = pair.a;
@@ -91,7 +84,8 @@ void lookAtClumpPair(World& world, std::int32_t index, double travel, World::Chu
     contact.shift = shift;
     contact.touch = touch;
     chunk.noteDepth(overlap, size);
-  }
+    return overlap;
+  });
   if (chunk.counts.uncertified > uncertified && chunk.uncertifiedPair < 0) chunk.uncertifiedPair = index;
   if (chunk.contacts.size() > before) return;
   pair.quietUntil = quiet;
@@ -100,34 +94,27 @@ void lookAtClumpPair(World& world, std::int32_t index, double travel, World::Chu
 
 void lookAtClumpAtWall(World& world, std::int32_t index, double travel, World::Chunk& chunk) {
   const Bodies& bodies = world.bodies;
-  const bool skips = world.options.skips.separation;
   WallPair& pair = world.pairs.wallPairs[at(index)];
   const Frame& frame = bodies.frame[at(pair.body)];
   const auto& clump = static_cast<const Clump&>(*bodies.shape[at(pair.body)]);
   const Wall& wall = *world.walls[at(pair.wall)];
   ChildList& list = pair.children;
-  if (!skips || travel >= list.validUntil) {
+  if (!world.options.skips.separation || travel >= list.validUntil) {
     const double reach = reachOf(world, clump.size());
     findChildrenNearWall(wall, clump, frame, reach, list.near);
     list.validUntil = travel + reach;
   }
 
   chunk.wallTouches.clear();
-  double quiet = list.validUntil;
   const RuleOptions rule = ruleAtWalls(world.options.rule);
-  for (ChildPair& child : list.near) {
-    if (skips && travel < child.quietUntil) {
-      quiet = std::min(quiet, child.quietUntil);
-      continue;
-    }
-    const ChildSphere& sphere = clump.children()[at(child.childA)];
+  const double quiet = visitNearChildren(world, travel, list, [&](std::size_t k) {
+    const std::int32_t child = list.near[k].childA;
+    const ChildSphere& sphere = clump.children()[at(child)];
     const std::size_t before = chunk.wallTouches.size();
     const double gap = wall.clearance(frame.toWorld(sphere.centre), sphere.radius);
-    if (!(gap > 0)) touchWallWithChild(wall, rule, clump, frame, child.childA, chunk.wallTouches);
-    if (chunk.wallTouches.size() > before) continue;
-    child.quietUntil = travel + std::max(0.0, gap);
-    quiet = std::min(quiet, child.quietUntil);
-  }
+    if (!(gap > 0)) touchWallWithChild(wall, rule, clump, frame, child, chunk.wallTouches);
+    return chunk.wallTouches.size() > before ? chunk.wallTouches.back().overlap : -std::max(0.0, gap);
+  });
   if (chunk.wallTouches.empty()) {
     pair.quietUntil = quiet;
     pair.spots.clear();

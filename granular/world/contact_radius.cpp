@@ -18,7 +18,14 @@ Surface lookAt(const Bodies& bodies, std::int32_t index, std::int32_t child) {
     const double radius = static_cast<const Clump&>(shape).children()[static_cast<std::size_t>(child)].radius;
     return {radius, radius};
   }
-  return {shape.kind() == ShapeKind::ellipsoid ? 0 : shape.size(), shape.size()};
+  switch (shape.kind()) {
+    case ShapeKind::ellipsoid:
+      return {0, shape.size()};
+    case ShapeKind::sphere:
+      return {shape.boundingRadius(), shape.size()};  // to the bit, unlike its size
+    default:
+      return {shape.size(), shape.size()};
+  }
 }
 
 /// n: outward unit normal of that body, u: perpendicular to it, world axes; the answer in u and n x u.

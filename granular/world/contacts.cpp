@@ -143,26 +143,30 @@ void sumHeldForces(World& world) {
   }
 }
 
-/// True if all bodies of these active pairs are of a kind.
-bool areAll(ShapeKind kind, const World& world, Range range) {
-  const auto isOne = [&](std::int32_t body) { return world.bodies.shape[at(body)]->kind() == kind; };
+/// True if all bodies of these active pairs are of a kind: isOne(shape).
+template <class IsOne>
+bool areAll(const World& world, Range range, IsOne&& isOne) {
+  const auto& shape = world.bodies.shape;
   for (std::size_t p = range.first; p < range.last; ++p) {
     const Pair& pair = world.pairs.pairs[at(world.activePairs[p])];
-    if (!isOne(pair.a) || !isOne(pair.b)) return false;
+    if (!isOne(*shape[at(pair.a)]) || !isOne(*shape[at(pair.b)])) return false;
   }
   return true;
 }
+bool areAll(ShapeKind kind, const World& world, Range range) {
+  return areAll(world, range, [kind](const Shape& shape) { return shape.kind() == kind; });
+}
 
-/// True if the contacts of these active pairs can be made in batches: spheres alone, the linear law, and nobody who
-/// asks for more than forces.
+/// True if the contacts of these active pairs can be made in batches: balls alone, a law that works on many contacts at
+/// once, and nobody who asks for more than forces.
 bool canBatch(const World& world, Range range) {
   const WorldOptions& options = world.options;
-  const bool plain = options.law == LawKind::linear && !options.lawOptions.localMass && !options.energy;
+  const bool plain = lawInLanes(options.law, options.lawOptions) && !options.energy;
   // These rules place the contacts of spheres to round-off only, keep several of them, or are unknown here.
   const PointRule rule = options.rule.rule;
   const bool deepest = rule != PointRule::faceCentroid && rule != PointRule::manifold && !isUsersRule(rule);
   if (options.noBatches || !plain || !deepest) return false;
-  return areAll(ShapeKind::sphere, world, range);
+  return areAll(world, range, isOfBalls);
 }
 
 }  // namespace

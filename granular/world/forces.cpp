@@ -3,30 +3,13 @@
 #include "granular/core/share_out.h"
 #include "granular/world/contact_radius.h"
 #include "granular/world/law_batch.h"
+#include "granular/world/spots.h"
 #include "granular/world/stages.h"
 
 namespace granular {
 namespace {
 
 std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
-
-/// Keeps the history of the spots that still touch, in the order of the pair's contacts, which begin at `first`; new
-/// spots start at zero.
-void matchSpots(std::vector<SpotHistory>& spots, const std::vector<Contact>& contacts, std::size_t first) {
-  std::size_t count = 1;
-  while (first + count < contacts.size() && contacts[first + count].pair == contacts[first].pair) ++count;
-  bool same = spots.size() == count;
-  for (std::size_t k = 0; k < count && same; ++k) same = spots[k].spot == contacts[first + k].spot;
-  if (same) return;
-  std::vector<SpotHistory> matched(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    matched[k].spot = contacts[first + k].spot;
-    for (const SpotHistory& old : spots) {
-      if (old.spot == matched[k].spot) matched[k] = old;
-    }
-  }
-  spots.swap(matched);
-}
 
 /// What a law reads of body i at a contact with this arm.
 ContactBody viewBody(const Bodies& bodies, std::size_t i, const Vec3& arm, bool readsInertia) {
@@ -119,7 +102,9 @@ ContactHistory& findHistory(World& world, const World::Chunk& chunk, std::size_t
   auto& spots = spotsOf(world, contact);
   if (k == 0 || chunk.contacts[k - 1].pair != contact.pair) {
     firstOfPair = k;
-    matchSpots(spots, chunk.contacts, k);
+    std::size_t end = k + 1;
+    while (end < chunk.contacts.size() && chunk.contacts[end].pair == contact.pair) ++end;
+    matchSpots(spots, end - k, [&](std::size_t spot) { return chunk.contacts[k + spot].spot; });
   }
   return spots[k - firstOfPair].history;
 }

@@ -1,5 +1,7 @@
 #include "granular/world/law_batch.h"
 
+#include "granular/world/contact_radius.h"
+
 namespace granular {
 namespace {
 
@@ -34,7 +36,13 @@ void putContact(const World& world, const Contact& contact, std::size_t k, Conta
     lanes.b.put(k, bodies, b);
     materialB = bodies.material[b];
   }
-  lanes.putConstants(k, world.materials.constants(bodies.material[a], materialB), world.options.lawOptions.tension);
+  const LawConstants& constants = world.materials.constants(bodies.material[a], materialB);
+  lanes.putConstants(k, constants, world.options.lawOptions.tension);
+  if (lawReadsCurvature(world.options.law)) {
+    lanes.putElasticity(k, constants);
+    lanes.radius[k] = contactRadius(world, contact);
+    lanes.squaredDepth[k] = patch.squaredDepth;
+  }
 
   // What touches.
   lanes.normal.put(k, contact.touch.normal);

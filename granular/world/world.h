@@ -68,7 +68,7 @@ struct World {
   /// not depend on the number of threads. Bodies' chunks first, then the walls'.
   struct Chunk {
     std::vector<Contact> contacts;
-    bool ofBalls = false;            ///< only spheres meet here, and their contacts are made in batches:
+    bool ofBalls = false;            ///< only spheres and clumps meet here; their contacts are made in batches:
     std::vector<BallContact> balls;  ///< then these stand for contacts
     bool ofEllipsoids = false;       ///< only ellipsoids meet here: they are looked at in batches
     bool ofCuboids = false;          ///< only cuboids meet here: as well

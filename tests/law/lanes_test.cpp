@@ -6,7 +6,7 @@
 
 #include "granular/core/random.h"
 #include "granular/law/contact_lanes.h"
-#include "granular/law/linear.h"
+#include "granular/law/hertz.h"
 
 namespace granular {
 namespace {
@@ -54,6 +54,8 @@ Asked makeAsked(Random& random, const std::vector<LawConstants>& constants, doub
   ContactMotion& m = asked.motion;
   m.normal = random.direction();
   m.overlap = std::pow(10, random.uniform(-9, -4));
+  m.squaredDepth = m.overlap * m.overlap * random.uniform(0.5, 1);
+  m.radius = std::pow(10, random.uniform(-4, -2));
   m.share = random.below(2) ? 1 : random.uniform(0.1, 1);
   m.dt = dt;
   m.rocking = rocking;
@@ -108,6 +110,9 @@ void put(std::size_t k, const Asked& asked, bool tension, ContactLanes& lanes) {
   lanes.putHistory(k, asked.history);
   lanes.normal.put(k, m.normal);
   lanes.overlap[k] = m.overlap;
+  lanes.putElasticity(k, *asked.constants);
+  lanes.radius[k] = m.radius;
+  lanes.squaredDepth[k] = m.squaredDepth;
   lanes.share[k] = m.share;
   lanes.area[k] = m.area;
   if (!(m.area > 0)) return;  // what is left in the other lanes must not matter
@@ -132,8 +137,8 @@ struct Tally {
 };
 
 /// What this contact exercised.
-void tally(const Asked& asked, const LawOptions& options, const ContactHistory& after, const ContactForce& force,
-           Tally& sum) {
+void tally(const Asked& asked, Law alone, const LawOptions& options, const ContactHistory& after,
+           const ContactForce& force, Tally& sum) {
   ++sum.contacts;
   sum.sliding += force.sliding;
   sum.viscous += force.sliding && after.spring.isZero();
@@ -146,15 +151,20 @@ void tally(const Asked& asked, const LawOptions& options, const ContactHistory& 
   free.area = 0;
   ContactHistory none;
   ContactForce plain;
-  applyLinearLaw(*asked.constants, options, asked.a, asked.b, free, none, plain);
+  alone(*asked.constants, options, asked.a, asked.b, free, none, plain);
   sum.tilted += std::abs(plain.normalForce - force.normalForce) > 1e-12 * std::abs(force.normalForce);
 }
 
-TEST(LinearLaw, InLanesHasTheSameBitsAsOneByOne) {
+class LawsInLanes : public ::testing::TestWithParam<LawKind> {};
+
+TEST_P(LawsInLanes, HaveTheSameBitsAsOneByOne) {
+  const Law alone = lawFunction(GetParam());
   std::vector<LawConstants> constants;
-  for (const ContactParameters& p :
+  for (ContactParameters p :
        {ContactParameters{1e4, .8, .6, .3}, ContactParameters{2e5, 1, 1, .5}, ContactParameters{1e4, .3, .9, 0},
         ContactParameters{1e3, .05, .05, .1}, ContactParameters{1e4, .8, .6, 1e3}}) {
+    setElasticity({p.stiffness * 1e3, .3}, {p.stiffness * 1e3, .2}, p);
+    p.dampingRateN = p.dampingRateT = -1e3 * std::log(p.restitution);
     constants.push_back(prepareLaw(p));
   }
   Random random(11);
@@ -163,7 +173,7 @@ TEST(LinearLaw, InLanesHasTheSameBitsAsOneByOne) {
     options.tension = choice & 1;
     options.frictionOfPush = choice & 2;
     options.slideAlongVelocity = choice & 4;
-    const LawInLanes law = lawInLanes(LawKind::linear, options);
+    const LawInLanes law = lawInLanes(GetParam(), options);
     ASSERT_TRUE(law);
     Tally sum;
     ContactLanes lanes{};
@@ -183,7 +193,7 @@ TEST(LinearLaw, InLanesHasTheSameBitsAsOneByOne) {
         const Asked& asked = all[k];
         ContactForce expected, found;
         ContactHistory history = asked.history, kept;
-        applyLinearLaw(*asked.constants, options, asked.a, asked.b, asked.motion, history, expected);
+        alone(*asked.constants, options, asked.a, asked.b, asked.motion, history, expected);
         lanes.takeForce(k, found);
         lanes.takeHistory(k, kept);
         const Vec3 torqueA = asked.a.arm.cross(expected.force) + expected.couple;
@@ -194,7 +204,7 @@ TEST(LinearLaw, InLanesHasTheSameBitsAsOneByOne) {
             << "options " << choice << ", round " << round << ", lane " << k << " of " << lanes.count << ", area "
             << asked.motion.area << ", friction " << asked.constants->parameters.friction << ", forces "
             << expected.force.transpose() << " and " << found.force.transpose();
-        tally(asked, options, history, expected, sum);
+        tally(asked, alone, options, history, expected, sum);
       }
     }
     // Nothing was left out.
@@ -205,14 +215,19 @@ TEST(LinearLaw, InLanesHasTheSameBitsAsOneByOne) {
   }
 }
 
+INSTANTIATE_TEST_SUITE_P(Laws, LawsInLanes, ::testing::Values(LawKind::linear, LawKind::hertz, LawKind::hertzMindlin),
+                         [](const auto& info) { return std::string(lawName(info.param)); });
+
 TEST(Laws, WithoutLanesSaySo) {
   LawOptions options;
-  EXPECT_TRUE(lawInLanes(LawKind::linear, options));
-  for (const LawKind kind : {LawKind::linearLocal, LawKind::tensor, LawKind::hertz, LawKind::hertzMindlin}) {
+  for (const LawKind kind : {LawKind::linear, LawKind::hertz, LawKind::hertzMindlin}) {
+    EXPECT_TRUE(lawInLanes(kind, options)) << lawName(kind);
+  }
+  for (const LawKind kind : {LawKind::linearLocal, LawKind::tensor}) {
     EXPECT_FALSE(lawInLanes(kind, options)) << lawName(kind);
   }
   options.localMass = true;
-  EXPECT_FALSE(lawInLanes(LawKind::linear, options));
+  for (const LawKind kind : {LawKind::linear, LawKind::hertz}) EXPECT_FALSE(lawInLanes(kind, options)) << lawName(kind);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Contacts of spheres and cuboids made in batches, ellipsoids looked at in batches, and the law in lanes, against one
-// by one.
+// Contacts of spheres, clumps and cuboids made in batches, ellipsoids looked at in batches, and the law in lanes,
+// against one by one.
 #include <gtest/gtest.h>
 #include <omp.h>
 
@@ -19,22 +19,36 @@ namespace {
 using testing::isSameBits;
 using testing::stateOf;
 
-/// A heap of spheres of three sizes and two materials, one of them frictionless, turning as they fall into a box.
-std::unique_ptr<World> makeBalls(const WorldOptions& options, int perSide) {
+/// A heap of spheres of three sizes, of clumps, or of both, of two materials, one of them frictionless, turning as they
+/// fall into a box.
+enum class OfWhat { spheres, clumps, both };
+std::unique_ptr<World> makeBalls(const WorldOptions& options, int perSide, OfWhat what = OfWhat::spheres) {
   MaterialTable materials;
   ContactParameters rough;
   rough.friction = 0.4;
+  setElasticity({2e7, .3}, {2e7, .3}, rough);
+  rough.dampingRateN = rough.dampingRateT = 300;
   materials.add("rough", rough);
-  ContactParameters slick;
+  ContactParameters slick = rough;
   slick.stiffness = 2e4;
   slick.friction = 0;
+  slick.dampingRateN = 100;
   materials.add("slick", slick);
   auto world = std::make_unique<World>(options, std::move(materials));
   const double pitch = 2.75e-3;
   testing::addBoxOfPlanes(0.5 * pitch * perSide, *world);
   std::vector<std::int32_t> sizes;
-  for (const double radius : {1.5e-3, 1.3e-3, 1.1e-3})
-    sizes.push_back(world->addShape(std::make_shared<Sphere>(radius)));
+  if (what != OfWhat::clumps) {
+    for (const double radius : {1.5e-3, 1.3e-3, 1.1e-3})
+      sizes.push_back(world->addShape(std::make_shared<Sphere>(radius)));
+  }
+  if (what != OfWhat::spheres) {
+    std::vector<ChildSphere> chain, ring;
+    for (int k = -2; k <= 2; ++k) chain.push_back({Vec3(.35e-3 * k, 0, 0), 1.1e-3 - .15e-3 * std::abs(k)});
+    for (int k = 0; k < 7; ++k)
+      ring.push_back({Vec3(.9e-3 * std::cos(.9 * k), .9e-3 * std::sin(.9 * k), .05e-3 * k), .55e-3});
+    for (const auto& spheres : {chain, ring}) sizes.push_back(world->addShape(std::make_shared<Clump>(spheres)));
+  }
   testing::addLattice(sizes, perSide, pitch, 100, *world);
   for (std::size_t i = 0; i < world->bodies.size(); i += 7) world->bodies.material[i] = 1;
   return world;
@@ -47,7 +61,7 @@ std::vector<double> contactsOf(const World& world) {
   world.visitContacts([&](const Contact& c) {
     out.insert(out.end(), {double(c.pair), double(c.a), double(c.b), double(c.spot.number), c.share, c.touch.overlap,
                            c.patch.area, c.patch.depth, c.patch.squaredDepth, c.patch.share, c.force.normalForce,
-                           double(c.force.sliding), double(c.held)});
+                           double(c.force.sliding), double(c.held), double(c.spot.childA), double(c.spot.childB)});
     for (const Vec3& v : {c.shift, c.touch.normal, c.touch.onA, c.touch.onB, c.patch.point, c.patch.centre,
                           c.force.force, c.force.couple, c.torqueA, c.torqueB}) {
       add(v + Vec3::Zero());  // one sign of zero
@@ -59,6 +73,7 @@ std::vector<double> contactsOf(const World& world) {
 struct Case {
   const char* name;
   WorldOptions options;
+  OfWhat what = OfWhat::spheres;
 };
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
@@ -77,9 +92,11 @@ std::array<std::unique_ptr<World>, 2> makeBothWays(WorldOptions options, const M
 class Balls : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Balls, InBatchesHaveTheSameBitsAsOneByOne) {
-  const auto worlds = makeBothWays(GetParam().options, [](const WorldOptions& o) { return makeBalls(o, 7); });
+  const auto worlds =
+      makeBothWays(GetParam().options, [](const WorldOptions& o) { return makeBalls(o, 7, GetParam().what); });
   std::size_t contacts = 0, sliding = 0, batched = 0;
-  for (int n = 0; n < 400; ++n) {
+  const int steps = GetParam().what == OfWhat::spheres ? 400 : 1200;  // clumps fill less of their places
+  for (int n = 0; n < steps; ++n) {
     for (auto& world : worlds) step(*world, 5e-6);
     ASSERT_TRUE(isSameBits(stateOf(*worlds[0]), stateOf(*worlds[1]))) << "step " << n;
     if (n % 20 != 0) continue;
@@ -101,7 +118,7 @@ TEST_P(Balls, InBatchesHaveTheSameBitsAsOneByOne) {
 }
 
 std::vector<Case> cases() {
-  std::vector<Case> all(6);
+  std::vector<Case> all(14);
   all[0].name = "AsTheyAre";
   all[1].name = "WithoutTension";
   all[1].options.lawOptions.tension = false;
@@ -119,6 +136,17 @@ std::vector<Case> cases() {
   all[5].options.sleep.energy = 1;
   all[5].options.sleep.balance = 1e3;
   all[5].options.sleep.wake = 1;
+  all[6].name = "Hertz";
+  all[6].options.law = LawKind::hertz;
+  all[7].name = "HertzMindlin";
+  all[7].options.law = LawKind::hertzMindlin;
+  all[8] = {"Clumps", {}, OfWhat::clumps};
+  all[9] = {"ClumpsPeriodic", all[3].options, OfWhat::clumps};
+  all[10] = {"ClumpsFallingAsleep", all[5].options, OfWhat::clumps};
+  all[11] = {"ClumpsAmongSpheres", {}, OfWhat::both};
+  all[12] = {"ClumpsAmongSpheresHertz", all[6].options, OfWhat::both};
+  all[13] = {"ClumpsLookedAtEveryStep", {}, OfWhat::clumps};
+  all[13].options.skips = {false, false, false};
   return all;
 }
 
