@@ -1,6 +1,8 @@
-// Rows of three or four numbers, as vectors and quaternions lie in memory, turned into lanes (core/wide.h) and back:
+// Rows of numbers, as vectors, quaternions and records of them lie in memory, turned into lanes (core/wide.h) and back:
 // wideSize rows at once.
 #pragma once
+
+#include <algorithm>
 
 #include "granular/core/wide.h"
 
@@ -83,6 +85,59 @@ inline void storeRows(const Quadruple<Wide>& q, std::size_t stride, double* rows
     rows[stride * k + 1] = q.y[k];
     rows[stride * k + 2] = q.z[k];
     rows[stride * k + 3] = q.w[k];
+  }
+#endif
+}
+
+#if defined(__AVX512F__)
+/// Rows and columns of eight times eight numbers change places.
+inline void transpose(std::array<Wide, 8>& m) {
+  std::array<Wide, 8> t;
+  for (std::size_t k = 0; k < 8; k += 2) {
+    t[k] = __builtin_shufflevector(m[k], m[k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+    t[k + 1] = __builtin_shufflevector(m[k], m[k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+  std::array<Wide, 8> u;
+  for (std::size_t k = 0; k < 8; k += 4) {
+    for (std::size_t j = 0; j < 2; ++j) {
+      u[k + j] = __builtin_shufflevector(t[k + j], t[k + j + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+      u[k + j + 2] = __builtin_shufflevector(t[k + j], t[k + j + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+  }
+  for (std::size_t k = 0; k < 4; ++k) {
+    m[k] = __builtin_shufflevector(u[k], u[k + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+    m[k + 4] = __builtin_shufflevector(u[k], u[k + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+}
+#endif
+
+/// Up to eight numbers of each row, rows anywhere: number c of the rows to columns[c].
+template <std::size_t width>
+void loadRows(const std::array<const double*, wideSize>& rows, std::array<Wide, width>& columns) {
+  static_assert(width <= 8);
+#if defined(__AVX512F__)
+  std::array<Wide, 8> m;
+  for (std::size_t k = 0; k < 8; ++k) m[k] = _mm512_maskz_loadu_pd((1u << width) - 1, rows[k]);
+  transpose(m);
+  std::copy_n(m.begin(), width, columns.begin());
+#else
+  for (std::size_t c = 0; c < width; ++c) {
+    for (std::size_t k = 0; k < wideSize; ++k) columns[c][k] = rows[k][c];
+  }
+#endif
+}
+/// The first `count` rows.
+template <std::size_t width>
+void storeRows(const std::array<Wide, width>& columns, const std::array<double*, wideSize>& rows, std::size_t count) {
+  static_assert(width <= 8);
+#if defined(__AVX512F__)
+  std::array<Wide, 8> m{};
+  std::copy_n(columns.begin(), width, m.begin());
+  transpose(m);
+  for (std::size_t k = 0; k < count; ++k) _mm512_mask_storeu_pd(rows[k], (1u << width) - 1, m[k]);
+#else
+  for (std::size_t k = 0; k < count; ++k) {
+    for (std::size_t c = 0; c < width; ++c) rows[k][c] = columns[c][k];
   }
 #endif
 }

@@ -3,8 +3,8 @@
 // first cache.
 #pragma once
 
-#include "granular/body/bodies.h"
-#include "granular/core/wide.h"
+#include "granular/body/motion_rows.h"
+#include "granular/core/rows.h"
 #include "granular/law/law.h"
 #include "granular/pair/contact.h"
 
@@ -30,14 +30,21 @@ struct ContactLanes {
     Lanes vHalf, spinHalf;  ///< at the half step
     Lane inverseMass, radiusRatio;
 
-    /// Body i, apart from its arm.
-    void put(std::size_t k, const Bodies& bodies, std::size_t i) {
-      v.put(k, bodies.v[i]);
-      w.put(k, bodies.w[i]);
-      vHalf.put(k, bodies.vHalf[i]);
-      spinHalf.put(k, bodies.spinHalf[i]);
-      inverseMass[k] = bodies.inverseMass[i];
-      radiusRatio[k] = bodies.radiusRatio[i];
+    /// Bodies from lane k on, a register full, apart from their arms.
+    void put(std::size_t k, const std::array<const MotionRow*, wideSize>& bodies) {
+      std::array<const double*, wideSize> from;
+      std::array<Wide, 8> now;
+      std::array<Wide, 6> half;
+      for (std::size_t i = 0; i < wideSize; ++i) from[i] = bodies[i]->atStep();
+      loadRows(from, now);
+      for (std::size_t i = 0; i < wideSize; ++i) from[i] = bodies[i]->atHalfStep();
+      loadRows(from, half);
+      v.store(k, {now[0], now[1], now[2]});
+      w.store(k, {now[3], now[4], now[5]});
+      inverseMass.store(k, now[6]);
+      radiusRatio.store(k, now[7]);
+      vHalf.store(k, {half[0], half[1], half[2]});
+      spinHalf.store(k, {half[3], half[4], half[5]});
     }
   };
 
@@ -62,43 +69,53 @@ struct ContactLanes {
   Lanes force, couple, torqueA, torqueB;
   Lane normalForce, sliding;
 
-  void putConstants(std::size_t k, const LawConstants& c, bool tension) {
+  /// elastic: lawReadsCurvature.
+  void putConstants(std::size_t k, const LawConstants& c, bool tension, bool elastic) {
     stiffness[k] = c.parameters.stiffness;
     stiffnessRatio[k] = c.stiffnessRatio;
     dampingN[k] = c.dampingN[tension];
     dampingT[k] = c.dampingT;
     friction[k] = c.parameters.friction;
-  }
-  void putElasticity(std::size_t k, const LawConstants& c) {
+    if (!elastic) return;
     hertz[k] = c.hertz;
     mindlin[k] = c.mindlin;
     dampingRateN[k] = c.parameters.dampingRateN;
     dampingRateT[k] = c.parameters.dampingRateT;
     pulledDamping[k] = c.dampingN[1];
   }
-  void putHistory(std::size_t k, const ContactHistory& history) {
-    spring.put(k, history.spring);
-    oldNormal.put(k, history.normal);
-    twist[k] = history.twist;
+  // Whole registers from lane k on, of as many histories, contacts and pulls as a register has lanes. What is taken
+  // goes to the first `some` of them.
+  void putHistories(std::size_t k, ContactHistory* const* histories) {
+    std::array<const double*, wideSize> from;
+    for (std::size_t i = 0; i < wideSize; ++i) from[i] = histories[i]->spring.data();
+    std::array<Wide, 7> column;
+    loadRows(from, column);
+    spring.store(k, {column[0], column[1], column[2]});
+    oldNormal.store(k, {column[3], column[4], column[5]});
+    twist.store(k, column[6]);
   }
-  // Number by number: what is made whole first and then copied waits for itself on its way through memory.
-  void takeHistory(std::size_t k, ContactHistory& history) const {
-    history.spring = spring.take(k);
-    history.normal = oldNormal.take(k);
-    history.twist = twist[k];
+  void takeHistories(std::size_t k, std::size_t some, ContactHistory* const* histories) const {
+    const Triple<Wide> s = spring.load(k), n = oldNormal.load(k);
+    std::array<double*, wideSize> to;
+    for (std::size_t i = 0; i < wideSize; ++i) to[i] = histories[i]->spring.data();
+    storeRows<7>({s.x, s.y, s.z, n.x, n.y, n.z, twist.load(k)}, to, some);
   }
-  void takeForce(std::size_t k, ContactForce& out) const {
-    out.force = force.take(k);
-    out.couple = couple.take(k);
-    out.normalForce = normalForce[k];
-    out.sliding = sliding[k] != 0;
+  void takeForces(std::size_t k, std::size_t some, Contact* const* contacts) const {
+    const Triple<Wide> f = force.load(k), c = couple.load(k), onA = torqueA.load(k), onB = torqueB.load(k);
+    std::array<double*, wideSize> to;
+    for (std::size_t i = 0; i < wideSize; ++i) to[i] = contacts[i]->force.force.data();
+    storeRows<7>({f.x, f.y, f.z, c.x, c.y, c.z, normalForce.load(k)}, to, some);
+    for (std::size_t i = 0; i < wideSize; ++i) to[i] = contacts[i]->torqueA.data();
+    storeRows<6>({onA.x, onA.y, onA.z, onB.x, onB.y, onB.z}, to, some);
+    for (std::size_t i = 0; i < some; ++i) contacts[i]->force.sliding = sliding[k + i] != 0;
   }
-  void takePull(std::size_t k, std::int32_t bodyA, std::int32_t bodyB, ContactPull& pull) const {
-    pull.a = bodyA;
-    pull.b = bodyB;
-    pull.force = force.take(k);
-    pull.torqueA = torqueA.take(k);
-    pull.torqueB = torqueB.take(k);
+  /// Apart from who they pull.
+  void takePulls(std::size_t k, std::size_t some, ContactPull* const* pulls) const {
+    const Triple<Wide> f = force.load(k), onA = torqueA.load(k), onB = torqueB.load(k);
+    std::array<double*, wideSize> to;
+    for (std::size_t i = 0; i < wideSize; ++i) to[i] = pulls[i]->force.data();
+    storeRows<8>({f.x, f.y, f.z, onA.x, onA.y, onA.z, onB.x, onB.y}, to, some);
+    for (std::size_t i = 0; i < some; ++i) pulls[i]->torqueB.z() = torqueB.z[k + i];
   }
 };
 

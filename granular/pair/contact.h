@@ -1,6 +1,7 @@
 // One contact of the present step: what was found, where it acts, what came of it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "granular/pair/contact_patch.h"
@@ -23,6 +24,8 @@ struct Contact {
   bool held = false;      ///< of two bodies at rest: kept from the step in which they came to rest
   Vec3 torqueA, torqueB;  ///< about either centre of mass, N m
 };
+static_assert(offsetof(ContactForce, normalForce) == 6 * sizeof(double));                      // rows of
+static_assert(offsetof(Contact, torqueB) == offsetof(Contact, torqueA) + 3 * sizeof(double));  // numbers
 
 /// What a contact does to its bodies: all that the sum of forces reads, apart from what describes the contact.
 struct ContactPull {
@@ -30,6 +33,7 @@ struct ContactPull {
   Vec3 force;             ///< on A, N
   Vec3 torqueA, torqueB;  ///< about either centre of mass, N m
 };
+static_assert(offsetof(ContactPull, torqueB) == offsetof(ContactPull, force) + 6 * sizeof(double));  // a row of numbers
 
 /// A contact of two balls, spheres or children of clumps, in short; the rest of a Contact follows from the bodies and
 /// its pull.

@@ -13,6 +13,7 @@ struct ContactHistory {
   Vec3 normal = Vec3::Zero();  ///< normal of the last step (zero: new contact)
   double twist = 0;            ///< torsional spring of a patch, rad
 };
+static_assert(sizeof(ContactHistory) == 7 * sizeof(double));  // a row of numbers (law/contact_lanes.h)
 
 struct ContactForce {
   Vec3 force = Vec3::Zero();   ///< on A, acting at the contact point, N

@@ -63,6 +63,17 @@ struct Batch {
     radiusA[k] = touch.radiusA;
     radiusB[k] = touch.radiusB;
   }
+  /// Lane k takes part in loading whole registers, as contact `last`, and in nothing else.
+  void repeat(std::size_t last, std::size_t k) {
+    a[k] = a[last];
+    b[k] = b[last];
+    history[k] = history[last];
+  }
+  void putConstants(std::size_t k, const World& world, std::int32_t materialA, std::int32_t materialB) {
+    const WorldOptions& options = world.options;
+    contacts.putConstants(k, world.materials.constants(materialA, materialB), options.lawOptions.tension,
+                          lawReadsCurvature(options.law));
+  }
 };
 
 /// What the law reads of where two balls touch (narrow/ball_touch.h).
@@ -88,40 +99,59 @@ void placeBalls(Batch& s) {
 }
 
 /// What the law reads of the bodies and remembers of the contacts.
-void loadBatch(const World& world, Batch& batch) {
+void loadBatch(const World& world, bool manyMaterials, Batch& batch) {
   const Bodies& bodies = world.bodies;
-  const bool elastic = lawReadsCurvature(world.options.law);
   ContactLanes& contacts = batch.contacts;
-  for (std::size_t k = 0; k < batch.count(); ++k) {
+  const std::size_t count = batch.count();
+  for (std::size_t k = count; k % wideSize != 0; ++k) batch.repeat(count - 1, k);
+  for (std::size_t k = 0; k < count; k += wideSize) {
+    std::array<const MotionRow*, wideSize> a, b;
+    for (std::size_t i = 0; i < wideSize; ++i) {
+      a[i] = &world.motionRows[at(batch.a[k + i])];
+      b[i] = &world.motionRows[at(batch.b[k + i])];
+    }
+    contacts.a.put(k, a);
+    contacts.b.put(k, b);
+    contacts.putHistories(k, &batch.history[k]);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
     const std::size_t a = at(batch.a[k]), b = at(batch.b[k]);
     batch.bodyA.put(k, bodies.x[a]);
     batch.bodyB.put(k, bodies.x[b]);
-    contacts.a.put(k, bodies, a);
-    contacts.b.put(k, bodies, b);
-    const LawConstants& constants = world.materials.constants(bodies.material[a], bodies.material[b]);
-    contacts.putConstants(k, constants, world.options.lawOptions.tension);
-    if (elastic) contacts.putElasticity(k, constants);
-    contacts.putHistory(k, *batch.history[k]);
-    contacts.share[k] = 1;
-    contacts.area[k] = 0;
+    if (manyMaterials) batch.putConstants(k, world, bodies.material[a], bodies.material[b]);
   }
 }
 
 /// Answers into the chunk, histories into the pairs' memory.
 void storeBatch(const Batch& batch, World::Chunk& chunk) {
   const ContactLanes& contacts = batch.contacts;
-  for (std::size_t k = 0; k < batch.count(); ++k) {
-    contacts.takeHistory(k, *batch.history[k]);
-    BallContact& ball = chunk.balls.emplace_back();
+  const std::size_t before = chunk.balls.size(), count = batch.count();
+  chunk.balls.resize(before + count);
+  chunk.pulls.resize(before + count);
+  for (std::size_t k = 0; k < count; k += wideSize) {
+    const std::size_t some = std::min(wideSize, count - k);
+    std::array<ContactPull*, wideSize> pulls;
+    std::array<double*, wideSize> balls;
+    for (std::size_t i = 0; i < wideSize; ++i) {
+      const std::size_t place = before + k + std::min(i, some - 1);
+      pulls[i] = &chunk.pulls[place];
+      balls[i] = chunk.balls[place].normal.data();
+    }
+    contacts.takeHistories(k, some, &batch.history[k]);
+    contacts.takePulls(k, some, pulls.data());
+    const Triple<Wide> n = contacts.normal.load(k);
+    storeRows<5>({n.x, n.y, n.z, contacts.overlap.load(k), contacts.normalForce.load(k)}, balls, some);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    ContactPull& pull = chunk.pulls[before + k];
+    pull.a = batch.a[k];
+    pull.b = batch.b[k];
+    BallContact& ball = chunk.balls[before + k];
     ball.pair = batch.pair[k];
     ball.childA = batch.childA[k];
     ball.childB = batch.childB[k];
     ball.sliding = contacts.sliding[k] != 0;
     ball.held = false;
-    ball.normal = contacts.normal.take(k);
-    ball.overlap = contacts.overlap[k];
-    ball.normalForce = contacts.normalForce[k];
-    contacts.takePull(k, batch.a[k], batch.b[k], chunk.pulls.emplace_back());
   }
 }
 
@@ -129,9 +159,17 @@ void storeBatch(const Batch& batch, World::Chunk& chunk) {
 class BallLooks {
  public:
   BallLooks(double dt, World& of, World::Chunk& into)
-      : world(of), chunk(into), law(lawInLanes(of.options.law, of.options.lawOptions)) {
+      : world(of),
+        chunk(into),
+        law(lawInLanes(of.options.law, of.options.lawOptions)),
+        manyMaterials(of.materials.count() > 1) {
     batch.contacts.count = 0;
     batch.contacts.dt = dt;
+    for (std::size_t k = 0; k < Batch::capacity; ++k) {
+      batch.contacts.share[k] = 1;
+      batch.contacts.area[k] = 0;
+      if (!manyMaterials) batch.putConstants(k, of, 0, 0);
+    }
   }
 
   /// Looks at one pair; how many contacts it has.
@@ -151,7 +189,8 @@ class BallLooks {
 
   /// Through the law with what waits.
   void finish() {
-    loadBatch(world, batch);
+    if (batch.count() == 0) return;
+    loadBatch(world, manyMaterials, batch);
     placeBalls(batch);
     law(world.options.lawOptions, batch.contacts);
     storeBatch(batch, chunk);
@@ -236,6 +275,7 @@ class BallLooks {
   World& world;
   World::Chunk& chunk;
   const LawInLanes law;
+  const bool manyMaterials;
   // Large, and kept from call to call.
   static thread_local Batch batch;
   static thread_local std::vector<TouchingBalls> touching;

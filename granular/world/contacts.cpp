@@ -71,7 +71,7 @@ void listActivePairs(World& world) {
   }
 }
 
-/// For each body the active pairs it is part of, in the order of the lists.
+/// For each body the active pairs it is part of, in the order of the lists, and which bodies have any.
 void listIncidence(World& world) {
   const std::size_t n = world.bodies.size();
   auto& begin = world.incidenceBegin;
@@ -82,7 +82,11 @@ void listIncidence(World& world) {
     ++begin[at(pair.b) + 1];
   }
   for (const std::int32_t p : world.activeWallPairs) ++begin[at(world.pairs.wallPairs[at(p)].body) + 1];
-  for (std::size_t i = 0; i < n; ++i) begin[i + 1] += begin[i];
+  world.met.clear();
+  for (std::size_t i = 0; i < n; ++i) {
+    if (begin[i + 1] > 0) world.met.push_back(static_cast<std::int32_t>(i));
+    begin[i + 1] += begin[i];
+  }
   world.incidence.resize(at(begin[n]));
   std::vector<std::int32_t> next(begin.begin(), begin.end() - 1);
   std::int32_t position = 0;

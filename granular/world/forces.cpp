@@ -249,6 +249,15 @@ void sumByContacts(World& world) {
 
 }  // namespace
 
+void layOutMotion(World& world) {
+  if (!chooseLanes(world.options)) return;
+  world.motionRows.resize(world.bodies.size());
+  shareOutEvenly(world.met.size(), world.met.size() >= bodiesForThreads, [&](std::size_t k) {
+    const std::size_t i = at(world.met[k]);
+    world.motionRows[i] = MotionRow(world.bodies, i);
+  });
+}
+
 void applyForceLaws(double dt, std::size_t c, World& world) {
   World::Chunk& chunk = world.chunks[c];
   if (const LawInLanes law = chooseLanes(world.options)) return applyLawInLanes(dt, law, chunk, world);

@@ -1,5 +1,7 @@
 #include "granular/world/law_batch.h"
 
+#include <algorithm>
+
 #include "granular/world/contact_radius.h"
 
 namespace granular {
@@ -17,44 +19,41 @@ void putWall(const Wall& wall, const Vec3& point, std::size_t k, ContactLanes::P
   party.inverseMass[k] = party.radiusRatio[k] = 0;
 }
 
-/// What the law reads of a contact, apart from its history.
-void putContact(const World& world, const Contact& contact, std::size_t k, ContactLanes& lanes) {
-  // Both parties.
+/// Both parties of the contacts in a register, apart from where they touch.
+void putBodies(const World& world, Contact* const* contacts, std::size_t k, ContactLanes& lanes) {
+  std::array<const MotionRow*, wideSize> a, b;
+  for (std::size_t i = 0; i < wideSize; ++i) {
+    a[i] = &world.motionRows[at(contacts[i]->a)];
+    b[i] = contacts[i]->b < 0 ? a[i] : &world.motionRows[at(contacts[i]->b)];  // a wall is put in its place
+  }
+  lanes.a.put(k, a);
+  lanes.b.put(k, b);
+}
+
+/// Where they touch, and walls. Returns the material of B.
+std::int32_t putContact(const World& world, const Contact& contact, std::size_t k, ContactLanes& lanes) {
   const Bodies& bodies = world.bodies;
   const ContactPatch& patch = contact.patch;
-  const std::size_t a = at(contact.a);
-  lanes.a.arm.put(k, Vec3(patch.point - bodies.x[a]));
-  lanes.a.put(k, bodies, a);
-  std::int32_t materialB;
-  if (contact.b < 0) {
-    const Wall& wall = *world.walls[at(-1 - contact.b)];
-    putWall(wall, patch.point, k, lanes.b);
-    materialB = wall.material;
-  } else {
-    const std::size_t b = at(contact.b);
-    lanes.b.arm.put(k, Vec3(patch.point - bodies.x[b] - contact.shift));
-    lanes.b.put(k, bodies, b);
-    materialB = bodies.material[b];
-  }
-  const LawConstants& constants = world.materials.constants(bodies.material[a], materialB);
-  lanes.putConstants(k, constants, world.options.lawOptions.tension);
-  if (lawReadsCurvature(world.options.law)) {
-    lanes.putElasticity(k, constants);
-    lanes.radius[k] = contactRadius(world, contact);
-    lanes.squaredDepth[k] = patch.squaredDepth;
-  }
-
-  // What touches.
+  lanes.a.arm.put(k, Vec3(patch.point - bodies.x[at(contact.a)]));
   lanes.normal.put(k, contact.touch.normal);
   lanes.overlap[k] = patch.depth;
   lanes.share[k] = contact.share * patch.share;
   lanes.area[k] = patch.area;
-  if (!(patch.area > 0)) return;
-  lanes.centreArm.put(k, Vec3(patch.centre - patch.point));
-  lanes.u.put(k, patch.u);
-  lanes.uu[k] = patch.uu;
-  lanes.vv[k] = patch.vv;
-  lanes.uv[k] = patch.uv;
+  if (patch.area > 0) {
+    lanes.centreArm.put(k, Vec3(patch.centre - patch.point));
+    lanes.u.put(k, patch.u);
+    lanes.uu[k] = patch.uu;
+    lanes.vv[k] = patch.vv;
+    lanes.uv[k] = patch.uv;
+  }
+  if (contact.b < 0) {
+    const Wall& wall = *world.walls[at(-1 - contact.b)];
+    putWall(wall, patch.point, k, lanes.b);
+    return wall.material;
+  }
+  const std::size_t b = at(contact.b);
+  lanes.b.arm.put(k, Vec3(patch.point - bodies.x[b] - contact.shift));
+  return bodies.material[b];
 }
 
 }  // namespace
@@ -65,27 +64,58 @@ void LawBatch::begin(double dt, LawInLanes chosen, const World& of) {
   lanes.count = 0;
   lanes.dt = dt;
   lanes.rocking = rockingDamping(of.options.rule);
+  manyMaterials = of.materials.count() > 1;
+  elastic = lawReadsCurvature(of.options.law);
+  if (manyMaterials) return;
+  for (std::size_t k = 0; k < capacity; ++k)
+    lanes.putConstants(k, of.materials.constants(0, 0), of.options.lawOptions.tension, elastic);
 }
 
 void LawBatch::add(Contact& contact, ContactHistory& history, ContactPull& pull) {
-  items[lanes.count++] = {&contact, &history, &pull};
+  const std::size_t k = lanes.count++;
+  contacts[k] = &contact;
+  histories[k] = &history;
+  pulls[k] = &pull;
   __builtin_prefetch(&history);  // read when the batch is full
-  if (lanes.count == ContactLanes::capacity) finish();
+  if (lanes.count == capacity) finish();
 }
 
 void LawBatch::finish() {
-  for (std::size_t k = 0; k < lanes.count; ++k) {
-    putContact(*world, *items[k].contact, k, lanes);
-    lanes.putHistory(k, *items[k].history);
+  const std::size_t count = lanes.count;
+  if (count == 0) return;
+  // Lanes beyond the last contact take part in loading whole registers, as that contact.
+  for (std::size_t k = count; k % wideSize != 0; ++k) {
+    contacts[k] = contacts[count - 1];
+    histories[k] = histories[count - 1];
+    pulls[k] = pulls[count - 1];
+  }
+  for (std::size_t k = 0; k < count; k += wideSize) {
+    putBodies(*world, &contacts[k], k, lanes);
+    lanes.putHistories(k, &histories[k]);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const Contact& contact = *contacts[k];
+    const std::int32_t materialB = putContact(*world, contact, k, lanes);
+    if (manyMaterials) {
+      const std::int32_t materialA = world->bodies.material[at(contact.a)];
+      lanes.putConstants(k, world->materials.constants(materialA, materialB), world->options.lawOptions.tension,
+                         elastic);
+    }
+    if (elastic) {
+      lanes.radius[k] = contactRadius(*world, contact);
+      lanes.squaredDepth[k] = contact.patch.squaredDepth;
+    }
   }
   law(world->options.lawOptions, lanes);
-  for (std::size_t k = 0; k < lanes.count; ++k) {
-    const auto& [contact, history, pull] = items[k];
-    lanes.takeForce(k, contact->force);
-    lanes.takeHistory(k, *history);
-    lanes.takePull(k, contact->a, contact->b, *pull);
-    contact->torqueA = lanes.torqueA.take(k);
-    contact->torqueB = lanes.torqueB.take(k);
+  for (std::size_t k = 0; k < count; k += wideSize) {
+    const std::size_t some = std::min(wideSize, count - k);
+    lanes.takeForces(k, some, &contacts[k]);
+    lanes.takeHistories(k, some, &histories[k]);
+    lanes.takePulls(k, some, &pulls[k]);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    pulls[k]->a = contacts[k]->a;
+    pulls[k]->b = contacts[k]->b;
   }
   lanes.count = 0;
 }

@@ -20,15 +20,14 @@ class LawBatch {
   void finish();
 
  private:
-  struct Item {
-    Contact* contact;
-    ContactHistory* history;
-    ContactPull* pull;
-  };
+  static constexpr std::size_t capacity = ContactLanes::capacity;
 
   const World* world = nullptr;
   LawInLanes law = nullptr;
-  std::array<Item, ContactLanes::capacity> items{};
+  bool manyMaterials = true, elastic = false;
+  std::array<Contact*, capacity> contacts{};
+  std::array<ContactHistory*, capacity> histories{};
+  std::array<ContactPull*, capacity> pulls{};
   ContactLanes lanes{};
 };
 

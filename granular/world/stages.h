@@ -18,6 +18,8 @@ void refreshPairs(double dt, World& world);
 /// The contacts of all chunks, by the three stages below: chunk after chunk, so that what one stage reads is still near
 /// when the next one reads it.
 void makeContacts(double dt, World& world);
+/// The motion of the bodies in active pairs as rows, for laws in lanes. Nothing for others.
+void layOutMotion(World& world);
 /// The three stages below at once for a chunk of balls, in batches (ball_contacts.cpp); the same bits.
 void makeBallContacts(double dt, std::size_t c, World& world);
 /// Which pairs of chunk c touch: normal and overlap of each contact.

@@ -50,6 +50,7 @@ class LapTimer {
 }  // namespace
 
 void makeContacts(double dt, World& world) {
+  layOutMotion(world);
   shareOut(world.chunks.size(), world.chunks.size() >= chunksForThreads, [&](std::size_t c) {
     auto& seconds = world.chunks[c].seconds;
     seconds = {};

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "granular/body/bodies.h"
+#include "granular/body/motion_rows.h"
 #include "granular/energy/ledger.h"
 #include "granular/integrate/integrator.h"
 #include "granular/law/materials.h"
@@ -101,6 +101,8 @@ struct World {
   };
   std::vector<std::int32_t> incidenceBegin;
   std::vector<Incidence> incidence;
+  std::vector<std::int32_t> met;       ///< slots of the bodies that are part of active pairs
+  std::vector<MotionRow> motionRows;   ///< how those move, by slot, for laws in lanes
   std::vector<std::int32_t> gathered;  ///< slots whose forces a step sums: the moving, and sleepers near them
   /// Contacts of an active pair (body pairs, then wall pairs): first index in its chunk, and how many.
   struct ContactRange {

@@ -62,6 +62,35 @@ TEST(Rows, BecomeLanesAndRowsAgain) {
   for (std::size_t k = 0; k < rows.size(); ++k) EXPECT_EQ(back[k], k % stride < 4 ? rows[k] : -1);
 }
 
+template <std::size_t width>
+void expectRowsBecomeLanesAndRowsAgain() {
+  // Rows anywhere, in any order, of which no more than `width` numbers may be read or written.
+  std::array<std::vector<double>, wideSize> rows, back;
+  std::array<const double*, wideSize> from;
+  std::array<double*, wideSize> to;
+  for (std::size_t k = 0; k < wideSize; ++k) {
+    for (std::size_t c = 0; c < width; ++c) rows[k].push_back(static_cast<double>(100 * k + c));
+    back[k].assign(width + 8, -1);
+    from[k] = rows[k].data();
+    to[k] = back[k].data();
+  }
+  std::array<Wide, width> columns;
+  loadRows(from, columns);
+  for (std::size_t k = 0; k < wideSize; ++k)
+    for (std::size_t c = 0; c < width; ++c) EXPECT_EQ(columns[c][k], rows[k][c]);
+  storeRows(columns, to, wideSize - 1);
+  for (std::size_t k = 0; k < wideSize; ++k)
+    for (std::size_t c = 0; c < width + 8; ++c)
+      EXPECT_EQ(back[k][c], k + 1 < wideSize && c < width ? rows[k][c] : -1) << "row " << k << ", number " << c;
+}
+
+TEST(Rows, AnywhereBecomeLanesAndRowsAgain) {
+  expectRowsBecomeLanesAndRowsAgain<1>();
+  expectRowsBecomeLanesAndRowsAgain<5>();
+  expectRowsBecomeLanesAndRowsAgain<7>();
+  expectRowsBecomeLanesAndRowsAgain<8>();
+}
+
 TEST(Wide, ComparisonsHoldForAllOrNot) {
   Wide x = 1 + Wide{};
   EXPECT_TRUE(all(x <= 1 + Wide{}));

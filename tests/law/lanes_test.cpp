@@ -106,11 +106,9 @@ void put(std::size_t k, const Asked& asked, bool tension, ContactLanes& lanes) {
   const ContactMotion& m = asked.motion;
   put(k, asked.a, asked.moveA, lanes.a);
   put(k, asked.b, asked.moveB, lanes.b);
-  lanes.putConstants(k, *asked.constants, tension);
-  lanes.putHistory(k, asked.history);
+  lanes.putConstants(k, *asked.constants, tension, true);
   lanes.normal.put(k, m.normal);
   lanes.overlap[k] = m.overlap;
-  lanes.putElasticity(k, *asked.constants);
   lanes.radius[k] = m.radius;
   lanes.squaredDepth[k] = m.squaredDepth;
   lanes.share[k] = m.share;
@@ -188,22 +186,43 @@ TEST_P(LawsInLanes, HaveTheSameBitsAsOneByOne) {
         all.push_back(makeAsked(random, constants, lanes.rocking, patches));
         put(k, all.back(), options.tension, lanes);
       }
+      std::vector<Contact> found(lanes.count);
+      std::vector<ContactHistory> kept(lanes.count);
+      std::vector<ContactPull> pulls(lanes.count);
+      std::array<Contact*, ContactLanes::capacity> contactAt;
+      std::array<ContactHistory*, ContactLanes::capacity> historyAt;
+      std::array<ContactPull*, ContactLanes::capacity> pullAt;
+      for (std::size_t k = 0; k < ContactLanes::capacity; ++k) {
+        const std::size_t last = std::min(k, lanes.count - 1);
+        kept[last] = all[last].history;
+        contactAt[k] = &found[last];
+        historyAt[k] = &kept[last];
+        pullAt[k] = &pulls[last];
+      }
+      for (std::size_t k = 0; k < lanes.count; k += wideSize) lanes.putHistories(k, &historyAt[k]);
       law(options, lanes);
+      for (std::size_t k = 0; k < lanes.count; k += wideSize) {
+        const std::size_t some = std::min(wideSize, lanes.count - k);
+        lanes.takeForces(k, some, &contactAt[k]);
+        lanes.takeHistories(k, some, &historyAt[k]);
+        lanes.takePulls(k, some, &pullAt[k]);
+      }
       for (std::size_t k = 0; k < lanes.count; ++k) {
         const Asked& asked = all[k];
-        ContactForce expected, found;
-        ContactHistory history = asked.history, kept;
+        ContactForce expected;
+        ContactHistory history = asked.history;
         alone(*asked.constants, options, asked.a, asked.b, asked.motion, history, expected);
-        lanes.takeForce(k, found);
-        lanes.takeHistory(k, kept);
         const Vec3 torqueA = asked.a.arm.cross(expected.force) + expected.couple;
         const Vec3 torqueB = -asked.b.arm.cross(expected.force) - expected.couple;
         const auto wanted = bitsOf(expected, history, torqueA, torqueB);
-        const auto given = bitsOf(found, kept, lanes.torqueA.take(k), lanes.torqueB.take(k));
+        const auto given = bitsOf(found[k].force, kept[k], found[k].torqueA, found[k].torqueB);
+        EXPECT_EQ(pulls[k].force, found[k].force.force);
+        EXPECT_EQ(pulls[k].torqueA, found[k].torqueA);
+        EXPECT_EQ(pulls[k].torqueB, found[k].torqueB);
         ASSERT_EQ(std::memcmp(wanted.data(), given.data(), 8 * wanted.size()), 0)
             << "options " << choice << ", round " << round << ", lane " << k << " of " << lanes.count << ", area "
             << asked.motion.area << ", friction " << asked.constants->parameters.friction << ", forces "
-            << expected.force.transpose() << " and " << found.force.transpose();
+            << expected.force.transpose() << " and " << found[k].force.force.transpose();
         tally(asked, alone, options, history, expected, sum);
       }
     }
