@@ -151,6 +151,30 @@ void advance(double dt, const WorldOptions& options, Bodies& bodies) {
               [&](const auto& scheme, const auto& place) { advanceBodies(dt, scheme, place, bodies); });
 }
 
+namespace {
+
+/// The angular acceleration, world axes, that solves F^T I alpha = F^T torque in the free directions F; `torque` has
+/// none in the others.
+Vec3 freeAcceleration(Locks locks, const Mat3& inertia, const Vec3& torque) {
+  std::array<int, 3> free;
+  int count = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(locks & lockRotation(axis))) free[static_cast<std::size_t>(count++)] = axis;
+  }
+  Vec3 alpha = Vec3::Zero();
+  if (count == 1) {
+    alpha[free[0]] = torque[free[0]] / inertia(free[0], free[0]);
+  } else if (count == 2) {
+    const int k = free[0], l = free[1];
+    const double det = inertia(k, k) * inertia(l, l) - inertia(k, l) * inertia(l, k);
+    alpha[k] = (inertia(l, l) * torque[k] - inertia(k, l) * torque[l]) / det;
+    alpha[l] = (inertia(k, k) * torque[l] - inertia(l, k) * torque[k]) / det;
+  }
+  return alpha;
+}
+
+}  // namespace
+
 // With rotation locked about some world axes, Euler's equation holds along the others alone: the angular acceleration
 // is the one in the free directions F that F^T (I alpha + w x I w - T) = 0 gives; the locks supply the rest of the
 // torque, which does no work. The torque is replaced by the one that makes a free body turn like that, so that every
@@ -166,13 +190,8 @@ void applyLocks(std::size_t first, Bodies& bodies) {
     const Mat3& R = bodies.frame[i].R;
     const Mat3 inertia = R * bodies.inertia[i].asDiagonal() * R.transpose();
     const Vec3 gyroscopic = bodies.w[i].cross(inertia * bodies.w[i]);
-    // Locked rows and columns are replaced by the identity's, which gives them no acceleration.
-    Mat3 matrix = Mat3::Identity();
-    for (int row = 0; row < 3; ++row)
-      for (int col = 0; col < 3; ++col)
-        if (!(locks & lockRotation(row)) && !(locks & lockRotation(col))) matrix(row, col) = inertia(row, col);
-    const Vec3 alpha = matrix.inverse() * freeRotation(locks, bodies.torque[i] - gyroscopic);
-    bodies.torque[i] = inertia * freeRotation(locks, alpha) + gyroscopic;
+    const Vec3 alpha = freeAcceleration(locks, inertia, freeRotation(locks, bodies.torque[i] - gyroscopic));
+    bodies.torque[i] = inertia * alpha + gyroscopic;
     // Rounding must not pile up in the locked directions.
     bodies.wHalf[i] = bodies.qHalf[i].conjugate() * freeRotation(locks, bodies.qHalf[i] * bodies.wHalf[i]);
   }

@@ -387,5 +387,32 @@ TEST(Locks, APhysicalPendulumAboutALockedAxisHasItsAngularAcceleration) {
   EXPECT_LT(std::hypot(alpha.x(), alpha.z()), 1e-12 * std::abs(alpha.y()));
 }
 
+TEST(Locks, KeepTheTorqueInFreeDirectionsAndSpinUpNoOthers) {
+  Random random(9);
+  for (int n = 0; n < 200; ++n) {
+    auto world = makeEmptyWorld();
+    NewBody body;
+    body.shapeIndex = world->addShape(std::make_shared<Cuboid>(Vec3(1e-3, 2e-3, 3e-3)));
+    body.locks = static_cast<Locks>(8 * (1 + n % 7));  // every set of rotations
+    body.pose.q = random.rotation();
+    body.spin = 30 * random.direction();
+    world->addBody(body);
+    Bodies& bodies = world->bodies;
+    const Vec3 torque = 1e-6 * random.direction();
+    bodies.torque[0] = torque;
+    applyLocks(0, bodies);
+    const Mat3 inertia = bodies.frame[0].R * bodies.inertia[0].asDiagonal() * bodies.frame[0].R.transpose();
+    const Vec3 gyroscopic = bodies.w[0].cross(inertia * bodies.w[0]);
+    const Vec3 alpha = inertia.inverse() * (bodies.torque[0] - gyroscopic);
+    const double large = (inertia.inverse() * (torque + gyroscopic)).norm();
+    for (int axis = 0; axis < 3; ++axis) {
+      if (body.locks & lockRotation(axis))
+        EXPECT_LT(std::abs(alpha[axis]), 1e-12 * large);
+      else
+        EXPECT_NEAR(bodies.torque[0][axis], torque[axis], 1e-13 * (torque + gyroscopic).norm());
+    }
+  }
+}
+
 }  // namespace
 }  // namespace granular
