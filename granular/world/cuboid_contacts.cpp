@@ -65,10 +65,9 @@ class CuboidLooks {
   CuboidLooks(World& chosen, World::Chunk& into)
       : world(chosen), chunk(into), places(placesInLanes(chosen.options.rule.rule)), overlaps(chosen.options.rule) {}
 
-  /// Looks at a pair; its contact, if there is one, is the chunk's next.
+  /// Looks at a pair that is due; its contact, if there is one, is the chunk's next.
   void take(std::int32_t index) {
     const Pair& pair = world.pairs.pairs[at(index)];
-    if (isQuiet(world, pair)) return;
     std::vector<Contact>& held = world.pairs.memory.held;
     if (at(pair.slot) < held.size()) held[at(pair.slot)].a = -1;
     const WarmCache& cache = world.pairs.memory.cache[at(pair.slot)];
@@ -287,18 +286,25 @@ void findCuboidContacts(std::size_t c, World& world) {
   const std::size_t first = c * World::chunkSize;
   const std::size_t last = std::min(first + World::chunkSize, world.activePairs.size());
   CuboidLooks looks(world, chunk);
-  for (std::size_t p = first; p < last; ++p) {
+  std::array<std::size_t, World::chunkSize> due;
+  const std::size_t dueCount = listDue(world, first, last, due.data());
+  constexpr std::size_t ahead = 4;
+  for (std::size_t k = 0; k < dueCount; ++k) {
+    if (k + ahead < dueCount) {
+      const Pair& next = world.pairs.pairs[at(world.activePairs[due[k + ahead]])];
+      __builtin_prefetch(&world.pairs.memory.cache[at(next.slot)]);
+    }
     const auto before = static_cast<std::int32_t>(chunk.contacts.size());
-    looks.take(world.activePairs[p]);
-    world.contactsOfPair[p] = {before, static_cast<std::int32_t>(chunk.contacts.size()) - before};
+    looks.take(world.activePairs[due[k]]);
+    world.contactsOfPair[due[k]] = {before, static_cast<std::int32_t>(chunk.contacts.size()) - before};
   }
   looks.finish();
 
   // Without those that have parted; the deepest is known only now.
   chunk.deepest = 0;
   std::size_t kept = 0;
-  for (std::size_t p = first; p < last; ++p) {
-    World::ContactRange& range = world.contactsOfPair[p];
+  for (std::size_t d = 0; d < dueCount; ++d) {
+    World::ContactRange& range = world.contactsOfPair[due[d]];
     const auto before = static_cast<std::int32_t>(kept);
     for (std::int32_t k = range.first; k < range.first + range.count; ++k) {
       if (chunk.contacts[at(k)].a < 0) continue;

@@ -20,6 +20,17 @@ inline bool isQuiet(const World& world, const Pair& pair) {
   return world.options.skips.separation &&
          travel[static_cast<std::size_t>(pair.a)] + travel[static_cast<std::size_t>(pair.b)] < pair.quietUntil;
 }
+/// Lists which of the active pairs [first, last) need a look, without a branch, which would be foretold badly; returns
+/// how many. Those that need none have no contact. list: room for all of them.
+inline std::size_t listDue(World& world, std::size_t first, std::size_t last, std::size_t* list) {
+  std::size_t count = 0;
+  for (std::size_t p = first; p < last; ++p) {
+    list[count] = p;
+    count += !isQuiet(world, world.pairs.pairs[static_cast<std::size_t>(world.activePairs[p])]);
+    world.contactsOfPair[p] = {};
+  }
+  return count;
+}
 /// Begins a look: false where the pair needs none.
 bool beginLook(World& world, std::int32_t index, Look& look);
 /// Takes it by the pair's kernel; counts what no bound could certify.
