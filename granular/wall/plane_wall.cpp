@@ -32,6 +32,7 @@ class PlaneWall final : public Wall {
   }
 
   double clearance(const Vec3& centre, double radius) const override { return -plane.depth(centre) - radius; }
+  const Plane* asPlane() const override { return &plane; }
   bool admits(const Vec3& p) const override { return plane.depth(p) < 0; }
   std::string describe() const override {
     const auto text = [](double x) { return std::to_string(x); };

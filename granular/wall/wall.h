@@ -13,6 +13,8 @@
 
 namespace granular {
 
+struct Plane;  // wall/plane_patch.h
+
 /// One contact of a body with a wall; the body is A, the wall B.
 struct WallTouch {
   Vec3 normal;     ///< unit, from the body into the wall
@@ -44,6 +46,9 @@ class Wall {
   virtual Mat3 curvatureAt(const Vec3& /*p*/) const { return Mat3::Zero(); }
   /// True if that is 0 everywhere.
   virtual bool isFlat() const { return true; }
+
+  /// The plane that it is, for as long as it lives; null for any other wall.
+  virtual const Plane* asPlane() const { return nullptr; }
 
   virtual std::string describe() const = 0;
 

@@ -3,6 +3,7 @@
 
 #include "granular/narrow/bullet_manifold.h"
 #include "granular/narrow/ellipsoid_batch.h"
+#include "granular/point/cuboid_overlap.h"
 #include "granular/point/witness.h"
 #include "granular/shape/polyhedron.h"
 #include "granular/world/clump_contacts.h"
@@ -159,6 +160,18 @@ bool areAll(const World& world, Range range, IsOne&& isOne) {
 }
 bool areAll(ShapeKind kind, const World& world, Range range) {
   return areAll(world, range, [kind](const Shape& shape) { return shape.kind() == kind; });
+}
+
+/// True if these active wall pairs are of cuboids and flat walls at rest, whose contacts can be made in batches.
+bool areCuboidsAtPlanes(const World& world, Range range) {
+  if (world.options.noBatches || !world.options.skips.feature) return false;
+  if (!placesInLanes(ruleAtWalls(world.options.rule).rule)) return false;
+  for (std::size_t p = range.first; p < range.last; ++p) {
+    const WallPair& pair = world.pairs.wallPairs[at(world.activeWallPairs[p])];
+    if (world.bodies.shape[at(pair.body)]->kind() != ShapeKind::cuboid || !world.walls[at(pair.wall)]->asPlane())
+      return false;
+  }
+  return true;
 }
 
 /// True if the contacts of these active pairs can be made in batches: balls alone, a law that works on many contacts at
@@ -412,8 +425,10 @@ void layOutContacts(World& world) {
     world.chunks[c].ofBalls = !atWalls && canBatch(world, range);
     const bool inBatches = !atWalls && !world.options.noBatches;
     world.chunks[c].ofEllipsoids = inBatches && areAll(ShapeKind::ellipsoid, world, range);
-    world.chunks[c].ofCuboids = inBatches && world.options.rule.rule != PointRule::manifold &&
-                                world.options.skips.feature && areAll(ShapeKind::cuboid, world, range);
+    world.chunks[c].ofCuboids =
+        atWalls ? areCuboidsAtPlanes(world, chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()))
+                : inBatches && world.options.rule.rule != PointRule::manifold && world.options.skips.feature &&
+                      areAll(ShapeKind::cuboid, world, range);
   }
   world.contactsOfPair.resize(world.activePairs.size() + world.activeWallPairs.size());
   world.layoutStale = false;
@@ -427,7 +442,7 @@ void findContacts(std::size_t c, World& world) {
   const Range range =
       atWalls ? chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()) : chunkRange(c, pairCount);
   const std::size_t rangeOffset = atWalls ? pairCount : 0;
-  if (!atWalls && chunk.ofCuboids) return findCuboidContacts(c, world);
+  if (chunk.ofCuboids) return atWalls ? findCuboidsAtWalls(c, world) : findCuboidContacts(c, world);
   if (!atWalls && chunk.ofEllipsoids) {
     EllipsoidLooks looks(world, chunk);
     for (std::size_t p = range.first; p < range.last; ++p) {

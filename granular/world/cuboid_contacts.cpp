@@ -3,12 +3,8 @@
 // `stiff_patch` and `pressure_centroid` placed while their geometry is at hand (point/cuboid_overlap.h). Whatever is
 // not proven there, a tie, another feature, a sliver, a birth, goes the general way. A pair's answer does not depend on
 // who shares its batch.
-#include <algorithm>
-#include <array>
-
 #include "granular/narrow/kernels.h"
-#include "granular/point/cuboid_overlap.h"
-#include "granular/point/witness.h"
+#include "granular/world/cuboid_groups.h"
 #include "granular/world/looks.h"
 #include "granular/world/stages.h"
 
@@ -16,49 +12,6 @@ namespace granular {
 namespace {
 
 std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
-
-/// A pair on its way.
-struct Waiting {
-  std::size_t contact;  ///< in the chunk, to be filled
-  std::int32_t index;   ///< of the pair
-  bool seatIsA;
-};
-
-/// Pairs of one kind of look, a register full.
-template <class Look>
-struct Group {
-  static constexpr std::size_t fields = sizeof(CuboidPair<Wide>) / sizeof(Wide);
-  std::size_t count = 0;
-  std::array<Waiting, wideSize> waiting;
-  alignas(64) double lanes[fields][wideSize];
-  Look look;
-  OverlapLanes sums;
-
-  void add(const Waiting& one, const std::array<Vec3, 9>& vectors, double tie, double inner) {
-    std::size_t field = 0;
-    for (const Vec3& v : vectors) {
-      for (int axis = 0; axis < 3; ++axis) lanes[field++][count] = v[axis];
-    }
-    lanes[field++][count] = tie;
-    lanes[field][count] = inner;
-    waiting[count++] = one;
-  }
-  /// The pairs side by side; lanes beyond the last repeat it.
-  CuboidPair<Wide> load() {
-    for (auto& lane : lanes) std::fill(lane + count, lane + wideSize, lane[count - 1]);
-    CuboidPair<Wide> pair;
-    static_assert(sizeof pair == sizeof lanes);
-    std::memcpy(&pair, lanes, sizeof pair);
-    return pair;
-  }
-};
-
-/// In memory, to be taken out one by one.
-TripleLanes<wideSize> spreadOut(const Triple<Wide>& v) {
-  TripleLanes<wideSize> lanes;
-  lanes.store(0, v);
-  return lanes;
-}
 
 class CuboidLooks {
  public:
@@ -259,15 +212,7 @@ class CuboidLooks {
         continue;
       }
       const Vec3 seat = seatPlace(one, contact);
-      placePoint(seat + point.take(k), x.take(k), look.depth[k], contact.patch);
-      contact.patch.depth = patch.depth[k];
-      contact.patch.squaredDepth = patch.squaredDepth[k];
-      contact.patch.centre = seat + centre.take(k);
-      contact.patch.area = patch.area[k];
-      contact.patch.uu = patch.xx[k];
-      contact.patch.vv = patch.yy[k];
-      contact.patch.uv = one.seatIsA ? patch.xy[k] : -patch.xy[k];
-      contact.placed = true;
+      placeFromLane(patch, point, centre, x, look.depth[k], one.seatIsA, seat, k, contact);
     }
   }
 
@@ -280,6 +225,27 @@ class CuboidLooks {
 };
 
 }  // namespace
+
+void keepTouching(const std::size_t* positions, std::size_t count, World& world, World::Chunk& chunk) {
+  const auto sizeOf = [&](std::int32_t body) { return body < 0 ? infinity : world.bodies.shape[at(body)]->size(); };
+  chunk.deepest = 0;
+  std::size_t kept = 0;
+  for (std::size_t p = 0; p < count; ++p) {
+    World::ContactRange& range = world.contactsOfPair[positions[p]];
+    const auto before = static_cast<std::int32_t>(kept);
+    for (std::int32_t k = range.first; k < range.first + range.count; ++k) {
+      if (chunk.contacts[at(k)].a < 0) continue;
+      if (kept != at(k)) chunk.contacts[kept] = chunk.contacts[at(k)];
+      const Contact& contact = chunk.contacts[kept++];
+      const double size = std::min(sizeOf(contact.a), sizeOf(contact.b));
+      if (!(contact.touch.overlap > chunk.deepest * size)) continue;
+      chunk.deepest = contact.touch.overlap / size;
+      chunk.deepestContact = static_cast<std::int32_t>(kept) - 1;
+    }
+    range = {before, static_cast<std::int32_t>(kept) - before};
+  }
+  chunk.contacts.resize(kept);
+}
 
 void findCuboidContacts(std::size_t c, World& world) {
   World::Chunk& chunk = world.chunks[c];
@@ -300,25 +266,7 @@ void findCuboidContacts(std::size_t c, World& world) {
   }
   looks.finish();
 
-  // Without those that have parted; the deepest is known only now.
-  chunk.deepest = 0;
-  std::size_t kept = 0;
-  for (std::size_t d = 0; d < dueCount; ++d) {
-    World::ContactRange& range = world.contactsOfPair[due[d]];
-    const auto before = static_cast<std::int32_t>(kept);
-    for (std::int32_t k = range.first; k < range.first + range.count; ++k) {
-      if (chunk.contacts[at(k)].a < 0) continue;
-      if (kept != at(k)) chunk.contacts[kept] = chunk.contacts[at(k)];
-      const Contact& contact = chunk.contacts[kept++];
-      const double size =
-          std::min(world.bodies.shape[at(contact.a)]->size(), world.bodies.shape[at(contact.b)]->size());
-      if (!(contact.touch.overlap > chunk.deepest * size)) continue;
-      chunk.deepest = contact.touch.overlap / size;
-      chunk.deepestContact = static_cast<std::int32_t>(kept) - 1;
-    }
-    range = {before, static_cast<std::int32_t>(kept) - before};
-  }
-  chunk.contacts.resize(kept);
+  keepTouching(due.data(), dueCount, world, chunk);
 }
 
 }  // namespace granular

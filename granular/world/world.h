@@ -71,7 +71,7 @@ struct World {
     bool ofBalls = false;            ///< only spheres and clumps meet here; their contacts are made in batches:
     std::vector<BallContact> balls;  ///< then these stand for contacts
     bool ofEllipsoids = false;       ///< only ellipsoids meet here: they are looked at in batches
-    bool ofCuboids = false;          ///< only cuboids meet here: as well
+    bool ofCuboids = false;          ///< only cuboids meet here, each other or flat walls: as well
     std::vector<ContactPull> pulls;  ///< of contacts, or of balls
     NarrowCounts counts;
     double deepest = 0;                 ///< largest overlap over size in this chunk

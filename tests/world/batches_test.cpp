@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <omp.h>
 
+#include <map>
+
 #include "granular/point/cuboid_overlap.h"
 #include "granular/point/overlap.h"
 #include "granular/point/rules.h"
@@ -11,6 +13,7 @@
 #include "granular/shape/ellipsoid.h"
 #include "granular/shape/polyhedron.h"
 #include "granular/shape/sphere.h"
+#include "granular/wall/plane_patch.h"
 #include "world/heap.h"
 
 namespace granular {
@@ -212,13 +215,27 @@ Mat3 inertiaOf(const ContactPatch& patch, const Vec3& normal) {
 
 class Cuboids : public ::testing::TestWithParam<Case> {};
 
+/// A patch made in a batch against the right one, to round-off.
+void expectSamePatch(const ContactPatch& found, const ContactPatch& right, const Vec3& normal, double reach,
+                     double overlap, double size) {
+  const Mat3 inertia = inertiaOf(right, normal);
+  const double off = std::max({(found.point - right.point).norm() / reach, (found.centre - right.centre).norm() / reach,
+                               std::abs(found.area - right.area) / std::max(right.area, 1e-300),
+                               (inertiaOf(found, normal) - inertia).norm() / std::max(inertia.norm(), 1e-300)});
+  EXPECT_NEAR(found.depth, right.depth, 1e-9 * overlap + 1e-13 * size);
+  EXPECT_NEAR(found.squaredDepth, right.squaredDepth, 1e-9 * overlap * overlap + 1e-13 * size * overlap);
+  EXPECT_EQ(found.share, 1);
+  // The round-off of places and heights, which the outline is made of.
+  EXPECT_LE(off, 1e-10 + 1e3 * std::numeric_limits<double>::epsilon() * size / overlap);
+}
+
 // Every contact of the batches against the search over all fifteen axes and the walk over all cells.
 TEST_P(Cuboids, InBatchesHaveTheTouchesAndPatchesOfOneByOne) {
   const WorldOptions& options = GetParam().options;
   const bool places = placesInLanes(options.rule.rule);
   const auto world = makeBoxes(options, 6);
   startHalfSteps(*world, 5e-6, 0, true);
-  std::size_t faces = 0, edges = 0, placed = 0, ties = 0;
+  std::size_t faces = 0, edges = 0, placed = 0, ties = 0, atWalls = 0;
   for (int n = 0; n < 6000; ++n) {
     step(*world, 5e-6);
     if (n % 10 != 0) continue;
@@ -260,20 +277,45 @@ TEST_P(Cuboids, InBatchesHaveTheTouchesAndPatchesOfOneByOne) {
                                   powersFor(options.rule, touch.overlap), 0, area));
         placePressure(options.rule, plane, area.moments, touch.overlap, area.height, size, patch);
         const double reach = std::sqrt(area.moments.xx / area.moments.area + area.moments.yy / area.moments.area);
-        const Mat3 found = inertiaOf(contact.patch, contact.touch.normal), right = inertiaOf(patch, plane.n);
-        const double off = std::max({(contact.patch.point - patch.point).norm() / reach,
-                                     (contact.patch.centre - patch.centre).norm() / reach,
-                                     std::abs(contact.patch.area - patch.area) / std::max(patch.area, 1e-300),
-                                     (found - right).norm() / std::max(right.norm(), 1e-300)});
-        EXPECT_NEAR(contact.patch.depth, patch.depth, 1e-9 * touch.overlap + 1e-13 * size);
-        EXPECT_NEAR(contact.patch.squaredDepth, patch.squaredDepth,
-                    1e-9 * touch.overlap * touch.overlap + 1e-13 * size * touch.overlap);
-        EXPECT_EQ(contact.patch.share, 1);
-        // The round-off of places and heights, which the outline is made of.
-        EXPECT_LE(off, 1e-10 + 1e3 * std::numeric_limits<double>::epsilon() * size / touch.overlap);
+        expectSamePatch(contact.patch, patch, contact.touch.normal, reach, touch.overlap, size);
       }
     }
+    // Planes, too.
+    std::map<std::pair<std::int32_t, std::int32_t>, const Contact*> found;
+    for (std::size_t c = world->wallChunkBegin; c < world->chunks.size(); ++c) {
+      EXPECT_EQ(world->chunks[c].ofCuboids, places);
+      for (const Contact& contact : world->chunks[c].contacts) found[{contact.a, contact.b}] = &contact;
+    }
+    for (const WallPair& pair : world->pairs.wallPairs) {
+      const auto i = static_cast<std::size_t>(pair.body);
+      const Shape& shape = *bodies.shape[i];
+      const Plane& plane = *world->walls[static_cast<std::size_t>(pair.wall)]->asPlane();
+      const Vec3 deepest = plane.deepest(shape, bodies.frame[i]);
+      const double overlap = plane.depth(deepest);
+      const auto at = found.find({pair.body, -1 - pair.wall});
+      if (std::abs(overlap) > 1e-14 * shape.size()) {
+        ASSERT_EQ(at != found.end(), overlap > 0);
+      }
+      if (at == found.end()) continue;
+      const Contact& contact = *at->second;
+      SunkenSurface surface;
+      ContactPatch patch;
+      surface.look(options.rule, plane, deepest, shape, bodies.frame[i]);
+      const AreaMoments moments = surface.integrateWhole();
+      surface.place(options.rule, moments, overlap, patch);
+      EXPECT_EQ(contact.touch.normal, -plane.normal);
+      EXPECT_NEAR(contact.touch.overlap, overlap, 1e-14 * shape.size());
+      if (!contact.placed) {
+        EXPECT_EQ(contact.patch.point, patch.point);
+        EXPECT_EQ(contact.patch.area, patch.area);
+        continue;
+      }
+      ++atWalls;
+      const double reach = std::sqrt(moments.xx / moments.area + moments.yy / moments.area);
+      expectSamePatch(contact.patch, patch, contact.touch.normal, reach, overlap, shape.size());
+    }
   }
+  EXPECT_EQ(atWalls > 300, places);
   EXPECT_GT(faces, 2000u);
   EXPECT_GT(edges, 2000u);
   EXPECT_LT(ties, (faces + edges) / 100);

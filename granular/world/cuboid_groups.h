@@ -1,0 +1,75 @@
+// Cuboids on their way into lanes and back: shared by their contacts with each other and with walls.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "granular/point/cuboid_overlap.h"
+#include "granular/point/witness.h"
+#include "granular/world/world.h"
+
+namespace granular {
+
+/// A pair on its way.
+struct Waiting {
+  std::size_t contact;  ///< in the chunk, to be filled
+  std::int32_t index;   ///< of the pair
+  bool seatIsA;
+};
+
+/// Pairs of one kind of look, a register full.
+template <class Look>
+struct Group {
+  static constexpr std::size_t fields = sizeof(CuboidPair<Wide>) / sizeof(Wide);
+  std::size_t count = 0;
+  std::array<Waiting, wideSize> waiting;
+  alignas(64) double lanes[fields][wideSize];
+  Look look;
+  OverlapLanes sums;
+
+  void add(const Waiting& one, const std::array<Vec3, 9>& vectors, double tie, double inner) {
+    std::size_t field = 0;
+    for (const Vec3& v : vectors) {
+      for (int axis = 0; axis < 3; ++axis) lanes[field++][count] = v[axis];
+    }
+    lanes[field++][count] = tie;
+    lanes[field][count] = inner;
+    waiting[count++] = one;
+  }
+  /// The pairs side by side; lanes beyond the last repeat it.
+  CuboidPair<Wide> load() {
+    for (auto& lane : lanes) std::fill(lane + count, lane + wideSize, lane[count - 1]);
+    CuboidPair<Wide> pair;
+    static_assert(sizeof pair == sizeof lanes);
+    std::memcpy(&pair, lanes, sizeof pair);
+    return pair;
+  }
+};
+
+/// In memory, to be taken out one by one.
+inline TripleLanes<wideSize> spreadOut(const Triple<Wide>& v) {
+  TripleLanes<wideSize> lanes;
+  lanes.store(0, v);
+  return lanes;
+}
+
+/// Writes what was found of lane k into a contact. seat: the seat's centre, world, m.
+inline void placeFromLane(const PatchLanes& patch, const TripleLanes<wideSize>& point,
+                          const TripleLanes<wideSize>& centre, const TripleLanes<wideSize>& x, double depth,
+                          bool seatIsA, const Vec3& seat, std::size_t k, Contact& contact) {
+  placePoint(seat + point.take(k), x.take(k), depth, contact.patch);
+  contact.patch.depth = patch.depth[k];
+  contact.patch.squaredDepth = patch.squaredDepth[k];
+  contact.patch.centre = seat + centre.take(k);
+  contact.patch.area = patch.area[k];
+  contact.patch.uu = patch.xx[k];
+  contact.patch.vv = patch.yy[k];
+  contact.patch.uv = seatIsA ? patch.xy[k] : -patch.xy[k];
+  contact.placed = true;
+}
+
+/// Takes the contacts without bodies (a = -1) out of a chunk, closing the gaps in the ranges at these positions of
+/// contactsOfPair, and looks for the deepest of those that stay.
+void keepTouching(const std::size_t* positions, std::size_t count, World& world, World::Chunk& chunk);
+
+}  // namespace granular
