@@ -20,8 +20,12 @@ Curvature curvatureOf(const Shape& shape, const Vec3& n, const Vec3& u) {
 }
 
 double effectiveRadius(const Curvature& sum, double flattest) {
-  const double middle = 0.5 * (sum.uu + sum.vv), spread = std::hypot(0.5 * (sum.uu - sum.vv), sum.uv);
+  // Both principal curvatures are at least 1/flattest, nearly always: then their product is the determinant.
   const double least = 1 / flattest;
+  const double uu = sum.uu - least, vv = sum.vv - least, square = sum.uv * sum.uv;
+  if (uu > 0 && uu * vv >= square) return 1 / std::sqrt(sum.uu * sum.vv - square);
+  const double middle = 0.5 * (sum.uu + sum.vv), half = 0.5 * (sum.uu - sum.vv);
+  const double spread = std::sqrt(half * half + square);
   return 1 / std::sqrt(std::max(middle + spread, least) * std::max(middle - spread, least));
 }
 
