@@ -12,20 +12,14 @@ Curvature curvatureOf(const Shape& shape, const Vec3& n, const Vec3& u) {
   assert(shape.kind() != ShapeKind::clump);
   // The size of a sphere is its radius; of a body with faces, edges or vertices, that of the sphere of equal volume.
   if (shape.kind() != ShapeKind::ellipsoid) return ballCurvature(shape.size());
-  const Vec3& semi = static_cast<const Ellipsoid&>(shape).semiAxes();
-  const double height = semi.cwiseProduct(n).norm();
-  const Vec3 inverse = semi.cwiseInverse();
-  const Vec3 first = inverse.cwiseProduct(u), second = inverse.cwiseProduct(n.cross(u));
-  return {height * first.squaredNorm(), height * second.squaredNorm(), height * first.dot(second)};
+  return curvatureOfEllipsoid(toTriple(static_cast<const Ellipsoid&>(shape).semiAxes()), toTriple(n), toTriple(u));
 }
 
 double effectiveRadius(const Curvature& sum, double flattest) {
-  // Both principal curvatures are at least 1/flattest, nearly always: then their product is the determinant.
+  if (isRound(sum, flattest)) return radiusOfRound(sum);
   const double least = 1 / flattest;
-  const double uu = sum.uu - least, vv = sum.vv - least, square = sum.uv * sum.uv;
-  if (uu > 0 && uu * vv >= square) return 1 / std::sqrt(sum.uu * sum.vv - square);
   const double middle = 0.5 * (sum.uu + sum.vv), half = 0.5 * (sum.uu - sum.vv);
-  const double spread = std::sqrt(half * half + square);
+  const double spread = std::sqrt(half * half + sum.uv * sum.uv);
   return 1 / std::sqrt(std::max(middle + spread, least) * std::max(middle - spread, least));
 }
 

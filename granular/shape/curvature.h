@@ -11,15 +11,60 @@
 // the sphere of equal volume. Smooth bodies are exact, and walls are: flat, or hollow with the vessel's radius.
 #pragma once
 
+#include <array>
+
+#include "granular/core/wide.h"
 #include "granular/shape/shape.h"
 
 namespace granular {
 
-/// The curvature in a tangent plane with unit axes u and v = n x u, 1/m.
-struct Curvature {
-  double uu = 0, vv = 0, uv = 0;
-  Curvature operator+(const Curvature& other) const { return {uu + other.uu, vv + other.vv, uv + other.uv}; }
+/// The curvature in a tangent plane with unit axes u and v = n x u, 1/m; of one surface, or of many side by side
+/// (core/wide.h).
+template <class Real>
+struct CurvatureIn {
+  Real uu{}, vv{}, uv{};
+  CurvatureIn operator+(const CurvatureIn& other) const { return {uu + other.uu, vv + other.vv, uv + other.uv}; }
 };
+using Curvature = CurvatureIn<double>;
+
+/// An ellipsoid's, where its outward unit normal is n or -n; u: unit, perpendicular to n; body axes.
+template <class Real>
+CurvatureIn<Real> curvatureOfEllipsoid(const Triple<Real>& semiAxes, const Triple<Real>& n, const Triple<Real>& u) {
+  const Real height = semiAxes.times(n).norm();
+  const Triple<Real> inverse{1 / semiAxes.x, 1 / semiAxes.y, 1 / semiAxes.z};
+  const Triple<Real> first = inverse.times(u), second = inverse.times(n.cross(u));
+  return {height * first.dot(first), height * second.dot(second), height * first.dot(second)};
+}
+
+/// A placed ellipsoid: its body axes in the world, and its semi-axes.
+template <class Real>
+struct PlacedEllipsoid {
+  std::array<Triple<Real>, 3> axes;
+  Triple<Real> semiAxes;
+  Triple<Real> toBody(const Triple<Real>& v) const { return {axes[0].dot(v), axes[1].dot(v), axes[2].dot(v)}; }
+};
+
+/// The sum of two ellipsoids' curvatures across the unit normal n, world axes.
+template <class Real>
+CurvatureIn<Real> curvatureBetween(const PlacedEllipsoid<Real>& a, const PlacedEllipsoid<Real>& b,
+                                   const Triple<Real>& n) {
+  const Mask<Real> besideX = n.x * n.x < 0.36 + Real{};
+  const Triple<Real> u = unit(choose<Real>(besideX, Triple<Real>{Real{}, n.z, -n.y}, Triple<Real>{-n.z, Real{}, n.x}));
+  return curvatureOfEllipsoid(a.semiAxes, a.toBody(n), a.toBody(u)) +
+         curvatureOfEllipsoid(b.semiAxes, b.toBody(n), b.toBody(u));
+}
+
+/// True where both principal curvatures are at least 1/flattest, nearly always: then effectiveRadius is 1/sqrt of the
+/// product, which is the determinant.
+template <class Real>
+Mask<Real> isRound(const CurvatureIn<Real>& sum, const Real& flattest) {
+  const Real least = 1 / flattest, uu = sum.uu - least, vv = sum.vv - least;
+  return both(uu > Real{}, uu * vv >= sum.uv * sum.uv);
+}
+template <class Real>
+Real radiusOfRound(const CurvatureIn<Real>& sum) {
+  return 1 / squareRoot(Real(sum.uu * sum.vv - sum.uv * sum.uv));
+}
 
 /// A ball's: the same in all directions.
 inline Curvature ballCurvature(double radius) { return {1 / radius, 1 / radius, 0}; }

@@ -1,7 +1,9 @@
 #include "granular/world/contact_radius.h"
 
+#include "granular/core/rows.h"
 #include "granular/core/tolerances.h"
 #include "granular/shape/curvature.h"
+#include "granular/shape/ellipsoid.h"
 
 namespace granular {
 namespace {
@@ -28,6 +30,12 @@ Surface lookAt(const Bodies& bodies, std::int32_t index, std::int32_t child) {
   }
 }
 
+/// No principal radius of two bodies' contact counts as larger, m.
+double flattestRadius(const World& world, const Contact& contact) {
+  return tolerance::flattest * std::min(lookAt(world.bodies, contact.a, contact.spot.childA).size,
+                                        lookAt(world.bodies, contact.b, contact.spot.childB).size);
+}
+
 /// n: outward unit normal of that body, u: perpendicular to it, world axes; the answer in u and n x u.
 Curvature curvatureAt(const Bodies& bodies, std::int32_t index, const Surface& surface, const Vec3& n, const Vec3& u) {
   if (surface.ball > 0) return ballCurvature(surface.ball);
@@ -36,6 +44,13 @@ Curvature curvatureAt(const Bodies& bodies, std::int32_t index, const Surface& s
 }
 
 }  // namespace
+
+bool isBetweenEllipsoids(const World& world, const Contact& contact) {
+  const auto isOne = [&](std::int32_t body) {
+    return world.bodies.shape[static_cast<std::size_t>(body)]->kind() == ShapeKind::ellipsoid;
+  };
+  return contact.b >= 0 && isOne(contact.a) && isOne(contact.b);
+}
 
 double contactRadius(const World& world, const Contact& contact) {
   const Vec3& n = contact.touch.normal;
@@ -53,12 +68,57 @@ double contactRadius(const World& world, const Contact& contact) {
   }
   const Surface b = lookAt(world.bodies, contact.b, contact.spot.childB);
   if (a.ball > 0 && b.ball > 0) return a.ball * b.ball / (a.ball + b.ball);
+  if (isBetweenEllipsoids(world, contact)) {
+    const auto place = [&](std::int32_t body) -> PlacedEllipsoid<double> {
+      const auto i = static_cast<std::size_t>(body);
+      const Mat3& R = world.bodies.frame[i].R;
+      return {{toTriple(R.col(0)), toTriple(R.col(1)), toTriple(R.col(2))},
+              toTriple(static_cast<const Ellipsoid&>(*world.bodies.shape[i]).semiAxes())};
+    };
+    return effectiveRadius(curvatureBetween(place(contact.a), place(contact.b), toTriple(n)),
+                           flattestRadius(world, contact));
+  }
   // Seen from B, v = -n x u points the other way: the mixed term changes its sign.
   const Vec3 u = perpendicular(n);
   Curvature other = curvatureAt(world.bodies, contact.b, b, -n, u);
   other.uv = -other.uv;
-  return effectiveRadius(curvatureAt(world.bodies, contact.a, a, n, u) + other,
-                         tolerance::flattest * std::min(a.size, b.size));
+  return effectiveRadius(curvatureAt(world.bodies, contact.a, a, n, u) + other, flattestRadius(world, contact));
+}
+
+void findEllipsoidRadii(const World& world, Contact* const* contacts, double* radii) {
+  const Bodies& bodies = world.bodies;
+  std::array<const double*, wideSize> normals;
+  std::array<double, wideSize> limits;
+  for (std::size_t k = 0; k < wideSize; ++k) {
+    normals[k] = contacts[k]->touch.normal.data();
+    limits[k] = flattestRadius(world, *contacts[k]);
+  }
+  const auto place = [&](std::int32_t Contact::*party) {
+    std::array<const double*, wideSize> frames, ends, semiAxes;
+    for (std::size_t k = 0; k < wideSize; ++k) {
+      const auto i = static_cast<std::size_t>(contacts[k]->*party);
+      frames[k] = bodies.frame[i].R.data();
+      ends[k] = frames[k] + 8;
+      semiAxes[k] = static_cast<const Ellipsoid&>(*bodies.shape[i]).semiAxes().data();
+    }
+    std::array<Wide, 8> R;
+    std::array<Wide, 1> last;
+    std::array<Wide, 3> axes;
+    loadRows(frames, R);
+    loadRows(ends, last);
+    loadRows(semiAxes, axes);
+    return PlacedEllipsoid<Wide>{{{{R[0], R[1], R[2]}, {R[3], R[4], R[5]}, {R[6], R[7], last[0]}}},
+                                 {axes[0], axes[1], axes[2]}};
+  };
+  std::array<Wide, 3> n;
+  loadRows(normals, n);
+  const auto sum = curvatureBetween(place(&Contact::a), place(&Contact::b), {n[0], n[1], n[2]});
+  storeWide(radiusOfRound(sum), radii);
+  const Mask<Wide> round = isRound(sum, loadWide(limits.data()));
+  if (all(round)) return;
+  for (std::size_t k = 0; k < wideSize; ++k) {
+    if (round[k] == 0) radii[k] = contactRadius(world, *contacts[k]);
+  }
 }
 
 }  // namespace granular

@@ -80,6 +80,19 @@ void LawBatch::add(Contact& contact, ContactHistory& history, ContactPull& pull)
   if (lanes.count == capacity) finish();
 }
 
+void LawBatch::putRadii() {
+  for (std::size_t k = 0; k < lanes.count; k += wideSize) {
+    Contact* const* group = &contacts[k];
+    if (std::all_of(group, group + wideSize, [&](const Contact* c) { return isBetweenEllipsoids(*world, *c); })) {
+      findEllipsoidRadii(*world, group, &lanes.radius[k]);
+      continue;
+    }
+    for (std::size_t i = k; i < std::min(k + wideSize, lanes.count); ++i) {
+      lanes.radius[i] = contactRadius(*world, *contacts[i]);
+    }
+  }
+}
+
 void LawBatch::finish() {
   const std::size_t count = lanes.count;
   if (count == 0) return;
@@ -101,11 +114,9 @@ void LawBatch::finish() {
       lanes.putConstants(k, world->materials.constants(materialA, materialB), world->options.lawOptions.tension,
                          elastic);
     }
-    if (elastic) {
-      lanes.radius[k] = contactRadius(*world, contact);
-      lanes.squaredDepth[k] = contact.patch.squaredDepth;
-    }
+    lanes.squaredDepth[k] = contact.patch.squaredDepth;
   }
+  if (elastic) putRadii();
   law(world->options.lawOptions, lanes);
   for (std::size_t k = 0; k < count; k += wideSize) {
     const std::size_t some = std::min(wideSize, count - k);

@@ -20,6 +20,9 @@ class LawBatch {
   void finish();
 
  private:
+  /// For laws that read curvature.
+  void putRadii();
+
   static constexpr std::size_t capacity = ContactLanes::capacity;
 
   const World* world = nullptr;
