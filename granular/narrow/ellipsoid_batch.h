@@ -13,8 +13,9 @@ class EllipsoidBatch {
 
   std::size_t size() const { return count; }
   bool isFull() const { return count == capacity; }
-  /// Adds a look that was begun; answer(k) belongs to the k-th added.
-  void add(const EllipsoidLook& look);
+  /// Adds a look that was begun at two ellipsoids, none of them a sphere; answer(k) belongs to the k-th added. What it
+  /// views must stay until run() has ended.
+  void add(const EllipsoidLook& look, const PairView& view);
   /// Takes the steps of all looks added.
   void run();
   const EllipsoidLook& look(std::size_t k) const { return looks[k]; }
@@ -29,8 +30,9 @@ class EllipsoidBatch {
 
   std::size_t count = 0;
   std::array<EllipsoidLook, capacity> looks;
-  // In.
-  Lanes axesA, axesB, column0, column1, column2, x, start;
+  // In: where frames and semi-axes lie, and numbers.
+  std::array<const double*, capacity> frameA, frameB, axesA, axesB;
+  Lanes start;
   Lane ratio, roundOff;
   // Out.
   Lanes normal, onA, onB;

@@ -11,6 +11,13 @@
 
 namespace granular {
 
+/// A body's axes and centre, world, m.
+template <class Real>
+struct PlacedAxes {
+  Triple<Real> column0, column1, column2, x;
+  Triple<Real> unrotate(const Triple<Real>& v) const { return {column0.dot(v), column1.dot(v), column2.dot(v)}; }
+};
+
 /// Semi-axes, and B's frame in A's axes: its columns and its centre.
 template <class Real>
 struct EllipsoidPair {
@@ -18,6 +25,17 @@ struct EllipsoidPair {
   Triple<Real> column0, column1, column2, x;
   Real ratio;     ///< the largest of the axes' ratios
   Real roundOff;  ///< slopes below it are 0, m
+
+  EllipsoidPair(const Triple<Real>& semiAxesA, const PlacedAxes<Real>& a, const Triple<Real>& semiAxesB,
+                const PlacedAxes<Real>& b, const Real& largestRatio, const Real& smallestSlope)
+      : axesA(semiAxesA),
+        axesB(semiAxesB),
+        column0(a.unrotate(b.column0)),
+        column1(a.unrotate(b.column1)),
+        column2(a.unrotate(b.column2)),
+        x(a.unrotate(b.x - a.x)),
+        ratio(largestRatio),
+        roundOff(smallestSlope) {}
 
   Triple<Real> rotate(const Triple<Real>& v) const { return v.x * column0 + v.y * column1 + v.z * column2; }
   Triple<Real> unrotate(const Triple<Real>& v) const { return {column0.dot(v), column1.dot(v), column2.dot(v)}; }

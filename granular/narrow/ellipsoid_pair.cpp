@@ -63,14 +63,14 @@ LocalMinimum descendFar(const EllipsoidPair<double>& pair, const Triple<double>&
 
 bool EllipsoidLook::begin(const PairView& view, WarmCache& cache, NarrowCounts& counts) {
   const Axes axesA(view.a), axesB(view.b);
-  const Frame frame = relativeFrame(view.frameA, view.frameB);
+  const Vec3 between = view.frameB.x - view.frameA.x;
   warm = cache.kind != WarmCache::cold && !view.searchAlways;
 
   // Warm and apart: does the last direction still separate?
   if (warm && cache.kind == WarmCache::apart) {
+    const Vec3 direction = view.frameA.R * cache.direction;
     const double depth = axesA.length.cwiseProduct(cache.direction).norm() +
-                         axesB.length.cwiseProduct(frame.unrotate(cache.direction)).norm() -
-                         frame.x.dot(cache.direction);
+                         axesB.length.cwiseProduct(view.frameB.unrotate(direction)).norm() - between.dot(direction);
     if (depth < 0) {
       ++counts.warm;
       reportApart(cache.direction, -depth, cache);
@@ -78,19 +78,13 @@ bool EllipsoidLook::begin(const PairView& view, WarmCache& cache, NarrowCounts& 
     }
   }
 
-  pair = {toTriple(axesA.length),
-          toTriple(axesB.length),
-          toTriple(frame.R.col(0)),
-          toTriple(frame.R.col(1)),
-          toTriple(frame.R.col(2)),
-          toTriple(frame.x),
-          std::max(axesA.ratio, axesB.ratio),
-          8 * std::numeric_limits<double>::epsilon() * (view.a.boundingRadius() + view.b.boundingRadius())};
+  ratio = std::max(axesA.ratio, axesB.ratio);
+  roundOff = 8 * std::numeric_limits<double>::epsilon() * (view.a.boundingRadius() + view.b.boundingRadius());
   provenUpTo = axesA.leastCurvatureRadius + axesB.leastCurvatureRadius;
   Vec3 guess = cache.direction;
   if (!warm) {
-    const double distance = frame.x.norm();
-    guess = distance > 0 ? Vec3(frame.x / distance) : Vec3(Vec3::UnitX());
+    const double distance = between.norm();
+    guess = distance > 0 ? Vec3(view.frameA.unrotate(between) / distance) : Vec3(Vec3::UnitX());
   } else if (cache.touched != 0 && cache.proof.floor == 0) {
     const auto& turn = cache.proof.axis;
     guess += Vec3(turn[0], turn[1], turn[2]);
@@ -100,10 +94,22 @@ bool EllipsoidLook::begin(const PairView& view, WarmCache& cache, NarrowCounts& 
   return true;
 }
 
+EllipsoidPair<double> EllipsoidLook::pairOf(const PairView& view) const {
+  const auto place = [](const Frame& frame) -> PlacedAxes<double> {
+    return {toTriple(frame.R.col(0)), toTriple(frame.R.col(1)), toTriple(frame.R.col(2)), toTriple(frame.x)};
+  };
+  return {toTriple(Axes(view.a).length),
+          place(view.frameA),
+          toTriple(Axes(view.b).length),
+          place(view.frameB),
+          ratio,
+          roundOff};
+}
+
 bool touchEllipsoids(const PairView& view, WarmCache& cache, NarrowCounts& counts, Touch& touch) {
   EllipsoidLook look;
   if (!look.begin(view, cache, counts)) return false;
-  return look.end(takeTwoSteps(look.pair, look.start), view, cache, counts, touch);
+  return look.end(takeTwoSteps(look.pairOf(view), look.start), view, cache, counts, touch);
 }
 
 }  // namespace granular

@@ -11,10 +11,13 @@ namespace granular {
 LocalMinimum descendFar(const EllipsoidPair<double>& pair, const Triple<double>& start, double& slope);
 
 struct EllipsoidLook {
-  EllipsoidPair<double> pair;
-  Triple<double> start;  ///< unit normal to begin with, A's axes
-  double provenUpTo;     ///< a stationary depth up to this is the global minimum, m
+  Triple<double> start;    ///< unit normal to begin with, A's axes
+  double provenUpTo;       ///< a stationary depth up to this is the global minimum, m
+  double ratio, roundOff;  ///< as in EllipsoidPair
   bool warm;
+
+  /// What Newton's steps work on.
+  EllipsoidPair<double> pairOf(const PairView& view) const;
 
   /// Prepares Newton's steps. False where the last direction still separates the two: then the look is over.
   bool begin(const PairView& view, WarmCache& cache, NarrowCounts& counts);
@@ -27,10 +30,10 @@ inline bool EllipsoidLook::end(const NewtonAnswer<double>& answer, const PairVie
                                NarrowCounts& counts, Touch& touch) const {
   LocalMinimum found{toVec3(answer.normal), answer.depth, toVec3(answer.onA), toVec3(answer.onB)};
   double slope = 0;
-  if (!answer.converged) found = descendFar(pair, start, slope);
+  if (!answer.converged) found = descendFar(pairOf(view), start, slope);
   constexpr double slack = 1e3;
   // Deep, or not converged: the general route.
-  if (!(found.depth <= provenUpTo) || (found.depth > 0 && !(slope <= slack * pair.roundOff)))
+  if (!(found.depth <= provenUpTo) || (found.depth > 0 && !(slope <= slack * roundOff)))
     return touchConvex(view, cache, counts, touch);
 
   ++(warm ? counts.warm : counts.cold);

@@ -302,7 +302,7 @@ class EllipsoidLooks {
       return;
     }
     positions[batch.size()] = position;
-    batch.add(steps);
+    batch.add(steps, view(pair, look));
     if (batch.isFull()) finish();
   }
 
