@@ -31,7 +31,8 @@ class EllipsoidBatch {
   std::size_t count = 0;
   std::array<EllipsoidLook, capacity> looks;
   // In: where frames and semi-axes lie, and numbers.
-  std::array<const double*, capacity> frameA, frameB, axesA, axesB;
+  std::array<const Frame*, capacity> frameA, frameB;
+  std::array<const Vec3*, capacity> axesA, axesB;
   Lanes start;
   Lane ratio, roundOff;
   // Out.

@@ -7,16 +7,9 @@
 
 #include <type_traits>
 
-#include "granular/core/wide.h"
+#include "granular/core/placed_axes.h"
 
 namespace granular {
-
-/// A body's axes and centre, world, m.
-template <class Real>
-struct PlacedAxes {
-  Triple<Real> column0, column1, column2, x;
-  Triple<Real> unrotate(const Triple<Real>& v) const { return {column0.dot(v), column1.dot(v), column2.dot(v)}; }
-};
 
 /// Semi-axes, and B's frame in A's axes: its columns and its centre.
 template <class Real>
@@ -85,8 +78,7 @@ struct NewtonPlane {
 
   NewtonPlane(const EllipsoidPair<Real>& pair, const EllipsoidDepth<Real>& e) {
     const Triple<Real>& n = e.normal;
-    const Mask<Real> besideX = n.x * n.x < 0.36 + Real{};
-    u = unit(choose<Real>(besideX, Triple<Real>{Real{}, n.z, -n.y}, Triple<Real>{-n.z, Real{}, n.x}));
+    u = tangentOf(n);
     v = n.cross(u);
     const Triple<Real> uB = pair.unrotate(u), vB = pair.unrotate(v);
     const Triple<Real> alongU = e.a.follow(pair.axesA, u), alongV = e.a.follow(pair.axesA, v);

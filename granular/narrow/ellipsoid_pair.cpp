@@ -95,13 +95,10 @@ bool EllipsoidLook::begin(const PairView& view, WarmCache& cache, NarrowCounts& 
 }
 
 EllipsoidPair<double> EllipsoidLook::pairOf(const PairView& view) const {
-  const auto place = [](const Frame& frame) -> PlacedAxes<double> {
-    return {toTriple(frame.R.col(0)), toTriple(frame.R.col(1)), toTriple(frame.R.col(2)), toTriple(frame.x)};
-  };
   return {toTriple(Axes(view.a).length),
-          place(view.frameA),
+          placeAxes(view.frameA),
           toTriple(Axes(view.b).length),
-          place(view.frameB),
+          placeAxes(view.frameB),
           ratio,
           roundOff};
 }

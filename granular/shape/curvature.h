@@ -11,9 +11,7 @@
 // the sphere of equal volume. Smooth bodies are exact, and walls are: flat, or hollow with the vessel's radius.
 #pragma once
 
-#include <array>
-
-#include "granular/core/wide.h"
+#include "granular/core/placed_axes.h"
 #include "granular/shape/shape.h"
 
 namespace granular {
@@ -36,22 +34,19 @@ CurvatureIn<Real> curvatureOfEllipsoid(const Triple<Real>& semiAxes, const Tripl
   return {height * first.dot(first), height * second.dot(second), height * first.dot(second)};
 }
 
-/// A placed ellipsoid: its body axes in the world, and its semi-axes.
 template <class Real>
 struct PlacedEllipsoid {
-  std::array<Triple<Real>, 3> axes;
+  PlacedAxes<Real> axes;
   Triple<Real> semiAxes;
-  Triple<Real> toBody(const Triple<Real>& v) const { return {axes[0].dot(v), axes[1].dot(v), axes[2].dot(v)}; }
 };
 
 /// The sum of two ellipsoids' curvatures across the unit normal n, world axes.
 template <class Real>
 CurvatureIn<Real> curvatureBetween(const PlacedEllipsoid<Real>& a, const PlacedEllipsoid<Real>& b,
                                    const Triple<Real>& n) {
-  const Mask<Real> besideX = n.x * n.x < 0.36 + Real{};
-  const Triple<Real> u = unit(choose<Real>(besideX, Triple<Real>{Real{}, n.z, -n.y}, Triple<Real>{-n.z, Real{}, n.x}));
-  return curvatureOfEllipsoid(a.semiAxes, a.toBody(n), a.toBody(u)) +
-         curvatureOfEllipsoid(b.semiAxes, b.toBody(n), b.toBody(u));
+  const Triple<Real> u = tangentOf(n);
+  return curvatureOfEllipsoid(a.semiAxes, a.axes.unrotate(n), a.axes.unrotate(u)) +
+         curvatureOfEllipsoid(b.semiAxes, b.axes.unrotate(n), b.axes.unrotate(u));
 }
 
 /// True where both principal curvatures are at least 1/flattest, nearly always: then effectiveRadius is 1/sqrt of the

@@ -1,6 +1,5 @@
 #include "granular/world/contact_radius.h"
 
-#include "granular/core/rows.h"
 #include "granular/core/tolerances.h"
 #include "granular/shape/curvature.h"
 #include "granular/shape/ellipsoid.h"
@@ -71,8 +70,7 @@ double contactRadius(const World& world, const Contact& contact) {
   if (isBetweenEllipsoids(world, contact)) {
     const auto place = [&](std::int32_t body) -> PlacedEllipsoid<double> {
       const auto i = static_cast<std::size_t>(body);
-      const Mat3& R = world.bodies.frame[i].R;
-      return {{toTriple(R.col(0)), toTriple(R.col(1)), toTriple(R.col(2))},
+      return {placeAxes(world.bodies.frame[i]),
               toTriple(static_cast<const Ellipsoid&>(*world.bodies.shape[i]).semiAxes())};
     };
     return effectiveRadius(curvatureBetween(place(contact.a), place(contact.b), toTriple(n)),
@@ -87,32 +85,23 @@ double contactRadius(const World& world, const Contact& contact) {
 
 void findEllipsoidRadii(const World& world, Contact* const* contacts, double* radii) {
   const Bodies& bodies = world.bodies;
-  std::array<const double*, wideSize> normals;
+  std::array<const Vec3*, wideSize> normals;
   std::array<double, wideSize> limits;
   for (std::size_t k = 0; k < wideSize; ++k) {
-    normals[k] = contacts[k]->touch.normal.data();
+    normals[k] = &contacts[k]->touch.normal;
     limits[k] = flattestRadius(world, *contacts[k]);
   }
   const auto place = [&](std::int32_t Contact::*party) {
-    std::array<const double*, wideSize> frames, ends, semiAxes;
+    std::array<const Frame*, wideSize> frames;
+    std::array<const Vec3*, wideSize> semiAxes;
     for (std::size_t k = 0; k < wideSize; ++k) {
       const auto i = static_cast<std::size_t>(contacts[k]->*party);
-      frames[k] = bodies.frame[i].R.data();
-      ends[k] = frames[k] + 8;
-      semiAxes[k] = static_cast<const Ellipsoid&>(*bodies.shape[i]).semiAxes().data();
+      frames[k] = &bodies.frame[i];
+      semiAxes[k] = &static_cast<const Ellipsoid&>(*bodies.shape[i]).semiAxes();
     }
-    std::array<Wide, 8> R;
-    std::array<Wide, 1> last;
-    std::array<Wide, 3> axes;
-    loadRows(frames, R);
-    loadRows(ends, last);
-    loadRows(semiAxes, axes);
-    return PlacedEllipsoid<Wide>{{{{R[0], R[1], R[2]}, {R[3], R[4], R[5]}, {R[6], R[7], last[0]}}},
-                                 {axes[0], axes[1], axes[2]}};
+    return PlacedEllipsoid<Wide>{loadAxes(frames), loadVectors(semiAxes)};
   };
-  std::array<Wide, 3> n;
-  loadRows(normals, n);
-  const auto sum = curvatureBetween(place(&Contact::a), place(&Contact::b), {n[0], n[1], n[2]});
+  const auto sum = curvatureBetween(place(&Contact::a), place(&Contact::b), loadVectors(normals));
   storeWide(radiusOfRound(sum), radii);
   const Mask<Wide> round = isRound(sum, loadWide(limits.data()));
   if (all(round)) return;
