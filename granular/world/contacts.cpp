@@ -392,9 +392,8 @@ void addWallContacts(const WallPair& pair, std::int32_t index, double size, Worl
     contact.shift = Vec3::Zero();
     contact.touch.normal = found.normal;
     contact.touch.overlap = found.overlap;
-    contact.touch.onA = found.patch.point + 0.5 * found.overlap * found.normal;
-    contact.touch.onB = found.patch.point - 0.5 * found.overlap * found.normal;
     contact.patch = found.patch;
+    placeWallSurfaces(contact);
     chunk.noteDepth(found.overlap, size);
   }
 }

@@ -73,7 +73,7 @@ class CuboidsAtWalls {
         placeFromLane(patch, point, centre, x, look.depth[k], false, seat, k, contact);
         contact.touch.normal = -plane.normal;
         contact.touch.overlap = look.depth[k];
-        placeSurfaces(contact);
+        placeWallSurfaces(contact);
       }
     }
     group.count = 0;
@@ -102,13 +102,7 @@ class CuboidsAtWalls {
     contact.touch.normal = found.normal;
     contact.touch.overlap = found.overlap;
     contact.patch = found.patch;
-    placeSurfaces(contact);
-  }
-
-  static void placeSurfaces(Contact& contact) {
-    const Vec3 half = 0.5 * contact.touch.overlap * contact.touch.normal;
-    contact.touch.onA = contact.patch.point + half;
-    contact.touch.onB = contact.patch.point - half;
+    placeWallSurfaces(contact);
   }
 
   World& world;

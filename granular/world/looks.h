@@ -40,6 +40,13 @@ void endLook(World& world, const Look& look, bool touching, const Touch& touch, 
 /// The latter alone: the pair's memory of what touched is given up.
 void waitForGap(World& world, const Look& look);
 
+/// The surfaces of a contact with a wall whose normal, overlap and patch are known: half an overlap off the point.
+inline void placeWallSurfaces(Contact& contact) {
+  const Vec3 half = 0.5 * contact.touch.overlap * contact.touch.normal;
+  contact.touch.onA = contact.patch.point + half;
+  contact.touch.onB = contact.patch.point - half;
+}
+
 /// Finds and places the contacts of a chunk in which only cuboids meet, those that touched before in batches
 /// (cuboid_contacts.cpp); others, and those of rules that the batches don't know, are left for placeContactPoints.
 void findCuboidContacts(std::size_t c, World& world);

@@ -117,6 +117,26 @@ void wakeNearMovingWalls(World& world) {
   }
 }
 
+/// The angular acceleration, world axes, that solves F^T I alpha = F^T torque in the free directions F; `torque` has
+/// none in the others.
+Vec3 freeAcceleration(Locks locks, const Mat3& inertia, const Vec3& torque) {
+  std::array<int, 3> free;
+  int count = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(locks & lockRotation(axis))) free[static_cast<std::size_t>(count++)] = axis;
+  }
+  Vec3 alpha = Vec3::Zero();
+  if (count == 1) {
+    alpha[free[0]] = torque[free[0]] / inertia(free[0], free[0]);
+  } else if (count == 2) {
+    const int k = free[0], l = free[1];
+    const double det = inertia(k, k) * inertia(l, l) - inertia(k, l) * inertia(l, k);
+    alpha[k] = (inertia(l, l) * torque[k] - inertia(k, l) * torque[l]) / det;
+    alpha[l] = (inertia(k, k) * torque[l] - inertia(l, k) * torque[k]) / det;
+  }
+  return alpha;
+}
+
 }  // namespace
 
 void moveWalls(double dt, World& world) {
@@ -150,30 +170,6 @@ void advance(double dt, const WorldOptions& options, Bodies& bodies) {
   visitMoving(options, bodies,
               [&](const auto& scheme, const auto& place) { advanceBodies(dt, scheme, place, bodies); });
 }
-
-namespace {
-
-/// The angular acceleration, world axes, that solves F^T I alpha = F^T torque in the free directions F; `torque` has
-/// none in the others.
-Vec3 freeAcceleration(Locks locks, const Mat3& inertia, const Vec3& torque) {
-  std::array<int, 3> free;
-  int count = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!(locks & lockRotation(axis))) free[static_cast<std::size_t>(count++)] = axis;
-  }
-  Vec3 alpha = Vec3::Zero();
-  if (count == 1) {
-    alpha[free[0]] = torque[free[0]] / inertia(free[0], free[0]);
-  } else if (count == 2) {
-    const int k = free[0], l = free[1];
-    const double det = inertia(k, k) * inertia(l, l) - inertia(k, l) * inertia(l, k);
-    alpha[k] = (inertia(l, l) * torque[k] - inertia(k, l) * torque[l]) / det;
-    alpha[l] = (inertia(k, k) * torque[l] - inertia(l, k) * torque[k]) / det;
-  }
-  return alpha;
-}
-
-}  // namespace
 
 // With rotation locked about some world axes, Euler's equation holds along the others alone: the angular acceleration
 // is the one in the free directions F that F^T (I alpha + w x I w - T) = 0 gives; the locks supply the rest of the
