@@ -11,7 +11,8 @@ mass and inertia, and, for reference, spheres of its volume; N = 1 is such a sph
 paper's materials, law and time step for all.
 
 Each case leaves DIR/<case>/bed and DIR/<case>/pressed; what is there is not done again. Writes DIR/efficiency.json and
-DIR/efficiency.md: time of the steps, over that of spheres; per particle and step; potential contacts from contact steps.
+DIR/efficiency.md: time of the steps, over that of spheres; per particle and step; potential contacts from contact steps
+(plots/plot_efficiency.py draws them).
 Time is that of the process on its cores (user), so that other work on the machine counts little.
 Exit codes: 0 done; 1 a run failed.
 """

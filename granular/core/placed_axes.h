@@ -9,7 +9,9 @@ namespace granular {
 template <class Real>
 struct PlacedAxes {
   Triple<Real> column0, column1, column2, x;
+  Triple<Real> rotate(const Triple<Real>& v) const { return v.x * column0 + v.y * column1 + v.z * column2; }
   Triple<Real> unrotate(const Triple<Real>& v) const { return {column0.dot(v), column1.dot(v), column2.dot(v)}; }
+  Triple<Real> toWorld(const Triple<Real>& p) const { return rotate(p) + x; }
 };
 
 inline PlacedAxes<double> placeAxes(const Frame& frame) {

@@ -19,11 +19,7 @@ inline BallLook lookAtBalls(const Vec3& a, double radiusA, const Vec3& b, double
 
 /// The touch of two overlapping balls; a: centre of A, m.
 inline void fillBallTouch(const BallLook& look, const Vec3& a, double radiusA, Touch& touch) {
-  touch.normal = look.normal;
-  touch.overlap = look.overlap;
-  const Vec3 middle = a + (radiusA - 0.5 * look.overlap) * look.normal;
-  touch.onA = middle + 0.5 * look.overlap * look.normal;
-  touch.onB = middle - 0.5 * look.overlap * look.normal;
+  touch.take({look.normal, look.overlap, a + (radiusA - 0.5 * look.overlap) * look.normal});
 }
 
 }  // namespace granular

@@ -110,6 +110,12 @@ struct NewtonAnswer {
 /// one. Both leave less than 1e-13 of the bodies.
 inline constexpr double lastStep = 2.5e-7, lastButOne = 4e-5;
 
+/// Where a pair's normal is sought, A's axes: it turns as it did between the last two looks.
+template <class Real>
+Triple<Real> foreseeNormal(const Triple<Real>& last, const Triple<Real>& turn) {
+  return unit(last + turn);
+}
+
 /// From the unit normal `start`. The last step is taken to first order: C's points move along with the normal.
 template <class Real>
 NewtonAnswer<Real> takeTwoSteps(const EllipsoidPair<Real>& pair, const Triple<Real>& start) {

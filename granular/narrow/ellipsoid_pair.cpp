@@ -4,9 +4,6 @@
 // is smaller.
 #include "granular/narrow/ellipsoid_pair.h"
 
-#include <algorithm>
-
-#include "granular/narrow/ellipsoid_newton.h"
 #include "granular/narrow/gjk.h"
 #include "granular/shape/ellipsoid.h"
 #include "granular/shape/sphere.h"
@@ -33,8 +30,8 @@ struct Axes {
   }
 };
 
-}  // namespace
-
+/// A direction below which C's boundary is tangent to round-off, or as near to it as some dozens of steps come; slope
+/// receives how near.
 LocalMinimum descendFar(const EllipsoidPair<double>& pair, const Triple<double>& start, double& slope) {
   constexpr int maxSteps = 60;
   EllipsoidDepth<double> e(pair, start);
@@ -61,52 +58,73 @@ LocalMinimum descendFar(const EllipsoidPair<double>& pair, const Triple<double>&
   return {toVec3(e.normal), e.depth, toVec3(e.onA), toVec3(e.onB)};
 }
 
-bool EllipsoidLook::begin(const PairView& view, WarmCache& cache, NarrowCounts& counts) {
-  const Axes axesA(view.a), axesB(view.b);
-  const Vec3 between = view.frameB.x - view.frameA.x;
-  warm = cache.kind != WarmCache::cold && !view.searchAlways;
-
-  // Warm and apart: does the last direction still separate?
-  if (warm && cache.kind == WarmCache::apart) {
-    const Vec3 direction = view.frameA.R * cache.direction;
-    const double depth = axesA.length.cwiseProduct(cache.direction).norm() +
-                         axesB.length.cwiseProduct(view.frameB.unrotate(direction)).norm() - between.dot(direction);
-    if (depth < 0) {
-      ++counts.warm;
-      reportApart(cache.direction, -depth, cache);
-      return false;
-    }
-  }
-
-  ratio = std::max(axesA.ratio, axesB.ratio);
-  roundOff = 8 * std::numeric_limits<double>::epsilon() * (view.a.boundingRadius() + view.b.boundingRadius());
-  provenUpTo = axesA.leastCurvatureRadius + axesB.leastCurvatureRadius;
-  Vec3 guess = cache.direction;
-  if (!warm) {
-    const double distance = between.norm();
-    guess = distance > 0 ? Vec3(view.frameA.unrotate(between) / distance) : Vec3(Vec3::UnitX());
-  } else if (cache.touched != 0 && cache.proof.floor == 0) {
-    const auto& turn = cache.proof.axis;
-    guess += Vec3(turn[0], turn[1], turn[2]);
-    guess *= 1 / guess.norm();
-  }
-  start = toTriple(guess);
+/// The last direction, if it still separates two that were apart.
+bool isStillApart(const PairView& view, const Axes& a, const Axes& b, const Vec3& between, WarmCache& cache) {
+  const Vec3 direction = view.frameA.R * cache.direction;
+  const double depth = a.length.cwiseProduct(cache.direction).norm() +
+                       b.length.cwiseProduct(view.frameB.unrotate(direction)).norm() - between.dot(direction);
+  if (!(depth < 0)) return false;
+  reportApart(cache.direction, -depth, cache);
   return true;
 }
 
-EllipsoidPair<double> EllipsoidLook::pairOf(const PairView& view) const {
-  return {toTriple(Axes(view.a).length),
-          placeAxes(view.frameA),
-          toTriple(Axes(view.b).length),
-          placeAxes(view.frameB),
-          ratio,
-          roundOff};
+/// By the general route.
+bool findByAnyRoute(const PairView& view, WarmCache& cache, NarrowCounts& counts, SmoothTouch& touch) {
+  Touch found;
+  if (!touchConvex(view, cache, counts, found)) return false;
+  touch = {found.normal, found.overlap, 0.5 * (found.onA + found.onB)};
+  return true;
+}
+
+}  // namespace
+
+bool findEllipsoidTouch(const PairView& view, WarmCache& cache, NarrowCounts& counts, SmoothTouch& touch) {
+  const Axes a(view.a), b(view.b);
+  const Vec3 between = view.frameB.x - view.frameA.x;
+  const bool warm = cache.kind != WarmCache::cold && !view.searchAlways;
+  if (warm && cache.kind == WarmCache::apart && isStillApart(view, a, b, between, cache)) {
+    ++counts.warm;
+    return false;
+  }
+
+  Triple<double> start = toTriple(cache.direction);
+  if (!warm) {
+    const double distance = between.norm();
+    start = toTriple(distance > 0 ? Vec3(view.frameA.unrotate(between) / distance) : Vec3(Vec3::UnitX()));
+  } else if (cache.touched != 0 && cache.proof.floor == 0) {
+    start = foreseeNormal(start, lastTurn(cache));
+  }
+  const PlacedAxes<double> axesA = placeAxes(view.frameA);
+  const EllipsoidPair<double> pair(toTriple(a.length), axesA, toTriple(b.length), placeAxes(view.frameB),
+                                   larger(a.ratio, b.ratio),
+                                   slopeRoundOff(view.a.boundingRadius(), view.b.boundingRadius()));
+  const NewtonAnswer<double> answer = takeTwoSteps(pair, start);
+  LocalMinimum found{toVec3(answer.normal), answer.depth, toVec3(answer.onA), toVec3(answer.onB)};
+  double slope = 0;
+  if (!answer.converged) found = descendFar(pair, start, slope);
+
+  // Deep, or not converged.
+  constexpr double slack = 1e3;
+  if (!(found.depth <= a.leastCurvatureRadius + b.leastCurvatureRadius) ||
+      (found.depth > 0 && !(slope <= slack * pair.roundOff)))
+    return findByAnyRoute(view, cache, counts, touch);
+
+  ++(warm ? counts.warm : counts.cold);
+  if (!(found.depth > 0)) return reportApart(found.normal, -found.depth, cache);
+  const bool follows = warm && cache.touched != 0;
+  rememberTurn(toTriple(follows ? Vec3(found.normal - cache.direction) : Vec3(Vec3::Zero())), cache);
+  rememberTouch(WarmCache::smooth, found.normal, cache, counts);
+  touch.normal = toVec3(axesA.rotate(toTriple(found.normal)));
+  touch.overlap = found.depth;
+  touch.middle = toVec3(axesA.toWorld(0.5 * (toTriple(found.onA) + toTriple(found.onB))));
+  return true;
 }
 
 bool touchEllipsoids(const PairView& view, WarmCache& cache, NarrowCounts& counts, Touch& touch) {
-  EllipsoidLook look;
-  if (!look.begin(view, cache, counts)) return false;
-  return look.end(takeTwoSteps(look.pairOf(view), look.start), view, cache, counts, touch);
+  SmoothTouch found;
+  if (!findEllipsoidTouch(view, cache, counts, found)) return false;
+  touch.take(found);
+  return true;
 }
 
 }  // namespace granular

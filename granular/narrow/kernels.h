@@ -36,14 +36,18 @@ inline constexpr double flipCosine = 0.86602540378443865;
 /// Relative precision of a gap: it is proven whatever this is, and only serves as the pair's motion budget.
 inline constexpr double separationPrecision = 0.05;
 
-/// Writes a touch found in A's body axes into the cache and into world axes, and counts a flipped normal.
-inline bool reportTouch(const PairView& pair, WarmCache::Kind kind, const LocalMinimum& found, WarmCache& cache,
-                        NarrowCounts& counts, Touch& touch) {
-  if (cache.touched && cache.direction.dot(found.normal) < flipCosine) ++counts.normalFlips;
+/// Writes a touch with this normal, A's body axes, into the cache, and counts a flipped one.
+inline void rememberTouch(WarmCache::Kind kind, const Vec3& normal, WarmCache& cache, NarrowCounts& counts) {
+  if (cache.touched && cache.direction.dot(normal) < flipCosine) ++counts.normalFlips;
   cache.kind = kind;
   cache.touched = 1;
-  cache.direction = found.normal;
+  cache.direction = normal;
   cache.budget = 0;
+}
+/// The same, and the touch in world axes.
+inline bool reportTouch(const PairView& pair, WarmCache::Kind kind, const LocalMinimum& found, WarmCache& cache,
+                        NarrowCounts& counts, Touch& touch) {
+  rememberTouch(kind, found.normal, cache, counts);
   touch.normal = pair.frameA.rotate(found.normal);
   touch.overlap = found.depth;
   touch.onA = pair.frameA.toWorld(found.onA);

@@ -35,14 +35,13 @@ struct ContactPull {
 };
 static_assert(offsetof(ContactPull, torqueB) == offsetof(ContactPull, force) + 6 * sizeof(double));  // a row of numbers
 
-/// A contact of two balls, spheres or children of clumps, in short; the rest of a Contact follows from the bodies and
-/// its pull.
-struct BallContact {
+/// A contact of two smooth bodies or children in short; the rest of a Contact follows from its pull and from where the
+/// two touch, which balls tell at any time and a SmoothTouch remembers for others.
+struct BriefContact {
   std::int32_t pair;            ///< index in PairList::pairs
   std::int32_t childA, childB;  ///< as in Spot
   bool sliding, held;
-  Vec3 normal;
-  double overlap, normalForce;
+  double normalForce;
 };
 
 }  // namespace granular

@@ -60,10 +60,12 @@ struct PileResult {
   std::optional<double> angle, angleError;  ///< degrees
   std::optional<double> from, to, top;      ///< of the fitted line, m
   std::optional<double> height;             ///< m
-  std::optional<double> porosity;           ///< of the sections as they are ("MS"); a pile in the plane alone
-  std::optional<double> porositySmooth;     ///< with the ellipsoids' sections ("MS ellipse")
-  double coordinationParticles = 0;         ///< particles touched by a particle, mean
-  double coordinationSpheres = 0;           ///< contacts of a particle's children with others', mean
+  /// Of the right triangle with the height of a pile in the plane and its area, degrees.
+  std::optional<double> triangleAngle;
+  std::optional<double> porosity;        ///< of the sections as they are ("MS"); a pile in the plane alone
+  std::optional<double> porositySmooth;  ///< with the ellipsoids' sections ("MS ellipse")
+  double coordinationParticles = 0;      ///< particles touched by a particle, mean
+  double coordinationSpheres = 0;        ///< contacts of a particle's children with others', mean
   double potentialContacts = 0;  ///< pairs of particles, or of children, near enough to be looked at, per particle
 };
 

@@ -121,6 +121,7 @@ void measurePlane(const Bed& bed, const std::vector<SurfacePoint>& surface, cons
                   PileResult& result) {
   const PlanePorosity porosity = measurePorosity(bed, surface);
   result.porosity = porosity.porosity;
+  result.triangleAngle = std::atan2(*result.height * *result.height, 2 * porosity.pileArea) * 180 / pi;
   const bool ellipsoid = group.shape == ParticleSettings::Shape::ellipsoid;
   const double a = ellipsoid ? group.semiAxes.x() : group.halfLength;
   const double b = ellipsoid ? group.semiAxes.z() : group.halfWidth;
@@ -148,6 +149,7 @@ PileResult writePileReport(const PackingRun& run, RunEnd end, int threads, const
   RunResult report = writeReport(run, end, threads, out);
   report.headline = {{"repose_angle_deg", result.angle},
                      {"repose_angle_error_deg", result.angleError},
+                     {"triangle_angle_deg", result.triangleAngle},
                      {"pile_height_m", result.height},
                      {"porosity", result.porosity},
                      {"porosity_smooth", result.porositySmooth},
@@ -172,8 +174,9 @@ std::string formatPile(const PileResult& r) {
       fmt::format("pile: repose angle {} (standard error {}), height {}, fitted from {} to {}\n", show(r.angle, " deg"),
                   show(r.angleError, " deg"), show(r.height, " m"), show(r.from, " m"), show(r.to, " m"));
   if (r.porosity)
-    text += fmt::format("porosity in the plane {}, with smooth sections {}\n", show(r.porosity, ""),
-                        show(r.porositySmooth, ""));
+    text += fmt::format(
+        "slope of the triangle of its height and area {}; porosity in the plane {}, with smooth sections {}\n",
+        show(r.triangleAngle, " deg"), show(r.porosity, ""), show(r.porositySmooth, ""));
   text += fmt::format("coordination: {:.3f} particles, {:.3f} contacts; potential contacts per particle {:.1f}\n",
                       r.coordinationParticles, r.coordinationSpheres, r.potentialContacts);
   return text;

@@ -52,6 +52,7 @@ Ellipsoid::Ellipsoid(const Vec3& semiAxes) : Shape(ShapeKind::ellipsoid), axes(s
   closed.area = area * longestAxis * longestAxis;
   closed.meanSquareRadius = meanSquare * longestAxis * longestAxis;
   setMeasures(closed, longestAxis, shortestAxis, 2 * longestAxis, distinctAxis(axes, true));
+  numbers = {axes.x(), axes.y(), axes.z(), longestOverShortest, sharpest, boundingRadius(), size()};
 }
 
 void Ellipsoid::supportFeature(const Vec3& d, double, Feature& out) const {

@@ -1,6 +1,8 @@
 // The ellipsoid, semi-axes along the body axes in any order (S table 5).
 #pragma once
 
+#include <array>
+
 #include "granular/shape/shape.h"
 
 namespace granular {
@@ -21,6 +23,9 @@ class Ellipsoid final : public Shape {
   double ratio() const { return longestOverShortest; }
   /// At the ends of the longest, of the curvature along the shortest, m: a ball of it rolls freely inside.
   double leastCurvatureRadius() const { return sharpest; }
+  /// What batches load: the semi-axes, ratio, leastCurvatureRadius, boundingRadius and size.
+  using Row = std::array<double, 7>;
+  const Row& row() const { return numbers; }
 
   Vec3 support(const Vec3& d) const override { return ellipsoidSupport(axes, d); }
   void supportFeature(const Vec3& d, double slab, Feature& out) const override;
@@ -34,6 +39,7 @@ class Ellipsoid final : public Shape {
  private:
   Vec3 axes;
   double longestOverShortest, sharpest;
+  Row numbers;
 };
 
 }  // namespace granular

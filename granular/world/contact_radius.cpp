@@ -29,12 +29,6 @@ Surface lookAt(const Bodies& bodies, std::int32_t index, std::int32_t child) {
   }
 }
 
-/// No principal radius of two bodies' contact counts as larger, m.
-double flattestRadius(const World& world, const Contact& contact) {
-  return tolerance::flattest * std::min(lookAt(world.bodies, contact.a, contact.spot.childA).size,
-                                        lookAt(world.bodies, contact.b, contact.spot.childB).size);
-}
-
 /// n: outward unit normal of that body, u: perpendicular to it, world axes; the answer in u and n x u.
 Curvature curvatureAt(const Bodies& bodies, std::int32_t index, const Surface& surface, const Vec3& n, const Vec3& u) {
   if (surface.ball > 0) return ballCurvature(surface.ball);
@@ -44,11 +38,15 @@ Curvature curvatureAt(const Bodies& bodies, std::int32_t index, const Surface& s
 
 }  // namespace
 
-bool isBetweenEllipsoids(const World& world, const Contact& contact) {
-  const auto isOne = [&](std::int32_t body) {
-    return world.bodies.shape[static_cast<std::size_t>(body)]->kind() == ShapeKind::ellipsoid;
+double ellipsoidRadius(const Bodies& bodies, std::int32_t a, std::int32_t b, const Vec3& n) {
+  const auto shapeOf = [&](std::int32_t body) -> const Ellipsoid& {
+    return static_cast<const Ellipsoid&>(*bodies.shape[static_cast<std::size_t>(body)]);
   };
-  return contact.b >= 0 && isOne(contact.a) && isOne(contact.b);
+  const auto place = [&](std::int32_t body) -> PlacedEllipsoid<double> {
+    return {placeAxes(bodies.frame[static_cast<std::size_t>(body)]), toTriple(shapeOf(body).semiAxes())};
+  };
+  return effectiveRadius(curvatureBetween(place(a), place(b), toTriple(n)),
+                         tolerance::flattest * std::min(shapeOf(a).size(), shapeOf(b).size()));
 }
 
 double contactRadius(const World& world, const Contact& contact) {
@@ -67,47 +65,16 @@ double contactRadius(const World& world, const Contact& contact) {
   }
   const Surface b = lookAt(world.bodies, contact.b, contact.spot.childB);
   if (a.ball > 0 && b.ball > 0) return a.ball * b.ball / (a.ball + b.ball);
-  if (isBetweenEllipsoids(world, contact)) {
-    const auto place = [&](std::int32_t body) -> PlacedEllipsoid<double> {
-      const auto i = static_cast<std::size_t>(body);
-      return {placeAxes(world.bodies.frame[i]),
-              toTriple(static_cast<const Ellipsoid&>(*world.bodies.shape[i]).semiAxes())};
-    };
-    return effectiveRadius(curvatureBetween(place(contact.a), place(contact.b), toTriple(n)),
-                           flattestRadius(world, contact));
-  }
+  const auto isEllipsoid = [&](std::int32_t body) {
+    return world.bodies.shape[static_cast<std::size_t>(body)]->kind() == ShapeKind::ellipsoid;
+  };
+  if (isEllipsoid(contact.a) && isEllipsoid(contact.b)) return ellipsoidRadius(world.bodies, contact.a, contact.b, n);
   // Seen from B, v = -n x u points the other way: the mixed term changes its sign.
   const Vec3 u = perpendicular(n);
   Curvature other = curvatureAt(world.bodies, contact.b, b, -n, u);
   other.uv = -other.uv;
-  return effectiveRadius(curvatureAt(world.bodies, contact.a, a, n, u) + other, flattestRadius(world, contact));
-}
-
-void findEllipsoidRadii(const World& world, Contact* const* contacts, double* radii) {
-  const Bodies& bodies = world.bodies;
-  std::array<const Vec3*, wideSize> normals;
-  std::array<double, wideSize> limits;
-  for (std::size_t k = 0; k < wideSize; ++k) {
-    normals[k] = &contacts[k]->touch.normal;
-    limits[k] = flattestRadius(world, *contacts[k]);
-  }
-  const auto place = [&](std::int32_t Contact::*party) {
-    std::array<const Frame*, wideSize> frames;
-    std::array<const Vec3*, wideSize> semiAxes;
-    for (std::size_t k = 0; k < wideSize; ++k) {
-      const auto i = static_cast<std::size_t>(contacts[k]->*party);
-      frames[k] = &bodies.frame[i];
-      semiAxes[k] = &static_cast<const Ellipsoid&>(*bodies.shape[i]).semiAxes();
-    }
-    return PlacedEllipsoid<Wide>{loadAxes(frames), loadVectors(semiAxes)};
-  };
-  const auto sum = curvatureBetween(place(&Contact::a), place(&Contact::b), loadVectors(normals));
-  storeWide(radiusOfRound(sum), radii);
-  const Mask<Wide> round = isRound(sum, loadWide(limits.data()));
-  if (all(round)) return;
-  for (std::size_t k = 0; k < wideSize; ++k) {
-    if (round[k] == 0) radii[k] = contactRadius(world, *contacts[k]);
-  }
+  return effectiveRadius(curvatureAt(world.bodies, contact.a, a, n, u) + other,
+                         tolerance::flattest * std::min(a.size, b.size));
 }
 
 }  // namespace granular

@@ -8,8 +8,7 @@ namespace granular {
 /// Effective radius of a contact (shape/curvature.h), m.
 double contactRadius(const World& world, const Contact& contact);
 
-bool isBetweenEllipsoids(const World& world, const Contact& contact);
-/// The same for as many contacts between ellipsoids as a register has lanes, to the same bits.
-void findEllipsoidRadii(const World& world, Contact* const* contacts, double* radii);
+/// The same between the ellipsoids in two slots; n: unit normal of the contact, world axes.
+double ellipsoidRadius(const Bodies& bodies, std::int32_t a, std::int32_t b, const Vec3& n);
 
 }  // namespace granular

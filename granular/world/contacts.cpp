@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "granular/narrow/bullet_manifold.h"
-#include "granular/narrow/ellipsoid_batch.h"
 #include "granular/point/cuboid_overlap.h"
 #include "granular/point/witness.h"
 #include "granular/shape/polyhedron.h"
@@ -174,23 +173,25 @@ bool areCuboidsAtPlanes(const World& world, Range range) {
   return true;
 }
 
-/// True if the contacts of these active pairs can be made in batches: balls alone, a law that works on many contacts at
-/// once, and nobody who asks for more than forces.
-bool canBatch(const World& world, Range range) {
+/// What makes the contacts of these active pairs in batches, or null: balls alone or ellipsoids alone, a law that works
+/// on many contacts at once, and nobody who asks for more than forces.
+auto chooseBatches(const World& world, Range range) -> decltype(World::Chunk::make) {
   const WorldOptions& options = world.options;
   const bool plain = lawInLanes(options.law, options.lawOptions) && !options.energy;
-  // These rules place the contacts of spheres to round-off only, keep several of them, or are unknown here.
+  // These rules place the contacts of smooth bodies to round-off only, keep several of them, or are unknown here.
   const PointRule rule = options.rule.rule;
   const bool deepest = rule != PointRule::faceCentroid && rule != PointRule::manifold && !isUsersRule(rule);
-  if (options.noBatches || !plain || !deepest) return false;
-  return areAll(world, range, isOfBalls);
+  if (options.noBatches || !plain || !deepest) return nullptr;
+  if (areAll(world, range, isOfBalls)) return makeBallContacts;
+  return options.skips.feature && areAll(ShapeKind::ellipsoid, world, range) ? makeEllipsoidContacts : nullptr;
 }
 
 }  // namespace
 
 void startChunk(World::Chunk& chunk) {
   chunk.contacts.clear();
-  chunk.balls.clear();
+  chunk.briefs.clear();
+  chunk.touches.clear();
   chunk.pulls.clear();
   chunk.counts = NarrowCounts{};
   chunk.deepest = 0;
@@ -220,12 +221,10 @@ bool takeLook(World& world, const Look& look, World::Chunk& chunk, Touch& touch)
   const Bodies& bodies = world.bodies;
   const Pair& pair = world.pairs.pairs[at(look.index)];
   const std::size_t a = at(pair.a), b = at(pair.b);
-  const std::uint64_t uncertified = chunk.counts.uncertified;
-  const bool touching =
-      findTouch(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], look.frameB, !world.options.skips.feature,
-                world.pairs.memory.cache[at(pair.slot)], chunk.counts, touch);
-  if (chunk.counts.uncertified > uncertified && chunk.uncertifiedPair < 0) chunk.uncertifiedPair = look.index;
-  return touching;
+  return noteUncertified(look, chunk, [&] {
+    return findTouch(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], look.frameB, !world.options.skips.feature,
+                     world.pairs.memory.cache[at(pair.slot)], chunk.counts, touch);
+  });
 }
 
 void waitForGap(World& world, const Look& look) {
@@ -284,59 +283,6 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   endLook(world, look, touching, touch, chunk);
 }
 
-/// Looks at pairs of ellipsoids, many at a time and in their order.
-class EllipsoidLooks {
- public:
-  EllipsoidLooks(World& chosen, World::Chunk& into) : world(chosen), chunk(into) {}
-
-  /// Begins a look; the contacts of the pair will be known after finish(), which must come before any other pair's.
-  /// position: of the pair among the active ones.
-  void begin(std::size_t position, std::int32_t index) {
-    Look& look = looks[batch.size()];
-    world.contactsOfPair[position] = {static_cast<std::int32_t>(chunk.contacts.size()), 0};
-    if (!beginLook(world, index, look)) return;
-    const Pair& pair = world.pairs.pairs[at(index)];
-    EllipsoidLook steps;
-    if (!steps.begin(view(pair, look), world.pairs.memory.cache[at(pair.slot)], chunk.counts)) {
-      endLook(world, look, false, {}, chunk);
-      return;
-    }
-    positions[batch.size()] = position;
-    batch.add(steps, view(pair, look));
-    if (batch.isFull()) finish();
-  }
-
-  void finish() {
-    batch.run();
-    for (std::size_t k = 0; k < batch.size(); ++k) {
-      const Look& look = looks[k];
-      const Pair& pair = world.pairs.pairs[at(look.index)];
-      const std::uint64_t uncertified = chunk.counts.uncertified;
-      Touch touch;
-      const bool touching = batch.look(k).end(batch.answer(k), view(pair, look),
-                                              world.pairs.memory.cache[at(pair.slot)], chunk.counts, touch);
-      if (chunk.counts.uncertified > uncertified && chunk.uncertifiedPair < 0) chunk.uncertifiedPair = look.index;
-      const auto first = static_cast<std::int32_t>(chunk.contacts.size());
-      endLook(world, look, touching, touch, chunk);
-      world.contactsOfPair[positions[k]] = {first, static_cast<std::int32_t>(chunk.contacts.size()) - first};
-    }
-    batch.clear();
-  }
-
- private:
-  PairView view(const Pair& pair, const Look& look) const {
-    const Bodies& bodies = world.bodies;
-    return {*bodies.shape[at(pair.a)], bodies.frame[at(pair.a)], *bodies.shape[at(pair.b)], look.frameB,
-            !world.options.skips.feature};
-  }
-
-  World& world;
-  World::Chunk& chunk;
-  EllipsoidBatch batch;
-  std::array<Look, EllipsoidBatch::capacity> looks;
-  std::array<std::size_t, EllipsoidBatch::capacity> positions;
-};
-
 /// Starts to bring into the cache what a look at a pair reads, in two steps: where it lies, and what lies there. Pairs
 /// that will not be looked at bring nothing.
 void fetchWhere(const World& world, const Pair& pair) {
@@ -393,7 +339,7 @@ void addWallContacts(const WallPair& pair, std::int32_t index, double size, Worl
     contact.touch.normal = found.normal;
     contact.touch.overlap = found.overlap;
     contact.patch = found.patch;
-    placeWallSurfaces(contact);
+    contact.touch.placeAbout(contact.patch.point);
     chunk.noteDepth(found.overlap, size);
   }
 }
@@ -421,9 +367,8 @@ void layOutContacts(World& world) {
   for (std::size_t c = 0; c < world.chunks.size(); ++c) {
     const bool atWalls = c >= world.wallChunkBegin;
     const Range range = chunkRange(c, world.activePairs.size());
-    world.chunks[c].ofBalls = !atWalls && canBatch(world, range);
+    world.chunks[c].make = atWalls ? nullptr : chooseBatches(world, range);
     const bool inBatches = !atWalls && !world.options.noBatches;
-    world.chunks[c].ofEllipsoids = inBatches && areAll(ShapeKind::ellipsoid, world, range);
     world.chunks[c].ofCuboids =
         atWalls ? areCuboidsAtPlanes(world, chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()))
                 : inBatches && world.options.rule.rule != PointRule::manifold && world.options.skips.feature &&
@@ -442,15 +387,6 @@ void findContacts(std::size_t c, World& world) {
       atWalls ? chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()) : chunkRange(c, pairCount);
   const std::size_t rangeOffset = atWalls ? pairCount : 0;
   if (chunk.ofCuboids) return atWalls ? findCuboidsAtWalls(c, world) : findCuboidContacts(c, world);
-  if (!atWalls && chunk.ofEllipsoids) {
-    EllipsoidLooks looks(world, chunk);
-    for (std::size_t p = range.first; p < range.last; ++p) {
-      if (p + farAhead < range.last) fetchWhat(world, world.pairs.pairs[at(world.activePairs[p + farAhead])]);
-      looks.begin(p, world.activePairs[p]);
-    }
-    looks.finish();
-    return;
-  }
   for (std::size_t p = range.first; p < range.last; ++p) {
     const auto first = static_cast<std::int32_t>(chunk.contacts.size());
     if (atWalls) {

@@ -229,22 +229,30 @@ class CuboidLooks {
 void keepTouching(const std::size_t* positions, std::size_t count, World& world, World::Chunk& chunk) {
   const auto sizeOf = [&](std::int32_t body) { return body < 0 ? infinity : world.bodies.shape[at(body)]->size(); };
   chunk.deepest = 0;
-  std::size_t kept = 0;
+  // Those that stay move towards the front a run at a time.
+  const auto contacts = chunk.contacts.begin();
+  std::int32_t kept = 0, run = 0;
+  const auto moveRun = [&](std::int32_t end) {
+    const std::int32_t to = kept - (end - run);
+    if (to != run) std::copy(contacts + run, contacts + end, contacts + to);
+    run = end + 1;
+  };
   for (std::size_t p = 0; p < count; ++p) {
     World::ContactRange& range = world.contactsOfPair[positions[p]];
-    const auto before = static_cast<std::int32_t>(kept);
+    const std::int32_t before = kept;
     for (std::int32_t k = range.first; k < range.first + range.count; ++k) {
-      if (chunk.contacts[at(k)].a < 0) continue;
-      if (kept != at(k)) chunk.contacts[kept] = chunk.contacts[at(k)];
-      const Contact& contact = chunk.contacts[kept++];
-      const double size = std::min(sizeOf(contact.a), sizeOf(contact.b));
-      if (!(contact.touch.overlap > chunk.deepest * size)) continue;
-      chunk.deepest = contact.touch.overlap / size;
-      chunk.deepestContact = static_cast<std::int32_t>(kept) - 1;
+      const Contact& contact = chunk.contacts[at(k)];
+      if (contact.a < 0) {
+        moveRun(k);
+        continue;
+      }
+      chunk.noteDepth(contact.touch.overlap, std::min(sizeOf(contact.a), sizeOf(contact.b)), at(kept));
+      ++kept;
     }
-    range = {before, static_cast<std::int32_t>(kept) - before};
+    range = {before, kept - before};
   }
-  chunk.contacts.resize(kept);
+  moveRun(static_cast<std::int32_t>(chunk.contacts.size()));
+  chunk.contacts.resize(at(kept));
 }
 
 void findCuboidContacts(std::size_t c, World& world) {

@@ -73,7 +73,7 @@ class CuboidsAtWalls {
         placeFromLane(patch, point, centre, x, look.depth[k], false, seat, k, contact);
         contact.touch.normal = -plane.normal;
         contact.touch.overlap = look.depth[k];
-        placeWallSurfaces(contact);
+        contact.touch.placeAbout(contact.patch.point);
       }
     }
     group.count = 0;
@@ -102,7 +102,7 @@ class CuboidsAtWalls {
     contact.touch.normal = found.normal;
     contact.touch.overlap = found.overlap;
     contact.patch = found.patch;
-    placeWallSurfaces(contact);
+    contact.touch.placeAbout(contact.patch.point);
   }
 
   World& world;

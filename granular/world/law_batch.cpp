@@ -81,16 +81,7 @@ void LawBatch::add(Contact& contact, ContactHistory& history, ContactPull& pull)
 }
 
 void LawBatch::putRadii() {
-  for (std::size_t k = 0; k < lanes.count; k += wideSize) {
-    Contact* const* group = &contacts[k];
-    if (std::all_of(group, group + wideSize, [&](const Contact* c) { return isBetweenEllipsoids(*world, *c); })) {
-      findEllipsoidRadii(*world, group, &lanes.radius[k]);
-      continue;
-    }
-    for (std::size_t i = k; i < std::min(k + wideSize, lanes.count); ++i) {
-      lanes.radius[i] = contactRadius(*world, *contacts[i]);
-    }
-  }
+  for (std::size_t k = 0; k < lanes.count; ++k) lanes.radius[k] = contactRadius(*world, *contacts[k]);
 }
 
 void LawBatch::finish() {

@@ -33,19 +33,20 @@ inline std::size_t listDue(World& world, std::size_t first, std::size_t last, st
 }
 /// Begins a look: false where the pair needs none.
 bool beginLook(World& world, std::int32_t index, Look& look);
-/// Takes it by the pair's kernel; counts what no bound could certify.
+/// What find() answers, with its pair noted where no bound could certify the answer.
+template <class Find>
+bool noteUncertified(const Look& look, World::Chunk& chunk, Find&& find) {
+  const std::uint64_t before = chunk.counts.uncertified;
+  const bool touching = find();
+  if (chunk.counts.uncertified > before && chunk.uncertifiedPair < 0) chunk.uncertifiedPair = look.index;
+  return touching;
+}
+/// Takes it by the pair's kernel.
 bool takeLook(World& world, const Look& look, World::Chunk& chunk, Touch& touch);
 /// Ends it with what was found: appends the contacts, or waits for as long as the gap needs to close.
 void endLook(World& world, const Look& look, bool touching, const Touch& touch, World::Chunk& chunk);
 /// The latter alone: the pair's memory of what touched is given up.
 void waitForGap(World& world, const Look& look);
-
-/// The surfaces of a contact with a wall whose normal, overlap and patch are known: half an overlap off the point.
-inline void placeWallSurfaces(Contact& contact) {
-  const Vec3 half = 0.5 * contact.touch.overlap * contact.touch.normal;
-  contact.touch.onA = contact.patch.point + half;
-  contact.touch.onB = contact.patch.point - half;
-}
 
 /// Finds and places the contacts of a chunk in which only cuboids meet, those that touched before in batches
 /// (cuboid_contacts.cpp); others, and those of rules that the batches don't know, are left for placeContactPoints.

@@ -209,11 +209,11 @@ void letSleep(double dt, World& world) {
       if (contact.b >= 0 && bodies.moves(static_cast<std::size_t>(contact.b))) continue;
       holdContact(contact, world);
     }
-    for (std::size_t k = 0; k < chunk.balls.size(); ++k) {
+    for (std::size_t k = 0; k < chunk.briefs.size(); ++k) {
       const ContactPull& pull = chunk.pulls[k];
       if (bodies.moves(static_cast<std::size_t>(pull.a)) || bodies.moves(static_cast<std::size_t>(pull.b))) continue;
-      chunk.balls[k].held = true;
-      Contact contact = world.describeBall(chunk, k);
+      chunk.briefs[k].held = true;
+      Contact contact = world.describeBrief(chunk, k);
       holdContact(contact, world);
     }
   }

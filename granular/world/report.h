@@ -34,8 +34,8 @@ struct Report {
   std::int64_t deepestA = -1, deepestB = -1;  ///< ids
   std::uint64_t contactSteps = 0;             ///< contacts summed over steps
   std::uint64_t bodySteps = 0;                ///< moving bodies summed over steps
-  std::array<double, stageCount> seconds{};
-  std::vector<Trouble> troubles;  ///< the first few of each kind
+  std::array<double, stageCount> seconds{};   ///< of each stage, from a sample of the steps
+  std::vector<Trouble> troubles;              ///< the first few of each kind
   std::array<std::uint64_t, Trouble::kinds> troubleCounts{};
 
   /// Counts a trouble, and keeps the first few of each kind.

@@ -68,25 +68,29 @@ struct World {
   /// not depend on the number of threads. Bodies' chunks first, then the walls'.
   struct Chunk {
     std::vector<Contact> contacts;
-    bool ofBalls = false;            ///< only spheres and clumps meet here; their contacts are made in batches:
-    std::vector<BallContact> balls;  ///< then these stand for contacts
-    bool ofEllipsoids = false;       ///< only ellipsoids meet here: they are looked at in batches
-    bool ofCuboids = false;          ///< only cuboids meet here, each other or flat walls: as well
-    std::vector<ContactPull> pulls;  ///< of contacts, or of balls
+    /// Only balls or only ellipsoids meet here, and this makes their contacts in batches; null: stage by stage.
+    void (*make)(double dt, std::size_t chunk, World& world) = nullptr;
+    std::vector<BriefContact> briefs;  ///< then these stand for contacts
+    std::vector<SmoothTouch> touches;  ///< of briefs, unless they are of balls
+    bool ofCuboids = false;            ///< only cuboids meet here, each other or flat walls: found in batches
+    std::vector<ContactPull> pulls;    ///< of contacts, or of briefs
     NarrowCounts counts;
     double deepest = 0;                 ///< largest overlap over size in this chunk
     std::int32_t uncertifiedPair = -1;  ///< the first pair whose answer no bound could certify
-    std::int32_t deepestContact = -1;   ///< index in contacts, or in balls
+    std::int32_t deepestContact = -1;   ///< index in contacts, or in briefs
     std::vector<WallTouch> wallTouches;
     std::array<double, 3> seconds{};       ///< spent on finding, placing and the law in the present step
     std::vector<ContactAccount> accounts;  ///< of the contacts; empty unless the energy ledger is kept
     LedgerSums booked;
-    /// Remembers how deep the contact just added is, if it is the deepest so far; size: what overlaps are relative to.
-    void noteDepth(double overlap, double size) {
+    /// Remembers how deep the contact with this index is, if it is the deepest so far; size: what overlaps are relative
+    /// to.
+    void noteDepth(double overlap, double size, std::size_t index) {
       if (overlap <= deepest * size) return;
       deepest = overlap / size;
-      deepestContact = static_cast<std::int32_t>(contacts.size()) - 1;
+      deepestContact = static_cast<std::int32_t>(index);
     }
+    /// The same for the last one of `contacts`.
+    void noteDepth(double overlap, double size) { noteDepth(overlap, size, contacts.size() - 1); }
   };
   std::vector<Chunk> chunks;
   std::size_t wallChunkBegin = 0;
@@ -137,8 +141,8 @@ struct World {
       for (const Contact& contact : chunk.contacts) {
         if (!contact.held) visit(contact);
       }
-      for (std::size_t k = 0; k < chunk.balls.size(); ++k) {
-        if (!chunk.balls[k].held) visit(describeBall(chunk, k));
+      for (std::size_t k = 0; k < chunk.briefs.size(); ++k) {
+        if (!chunk.briefs[k].held) visit(describeBrief(chunk, k));
       }
     }
     for (const Pair& pair : pairs.pairs) {
@@ -149,8 +153,8 @@ struct World {
     }
   }
   std::size_t contactCount() const;
-  /// Contact k of a chunk of balls in full.
-  Contact describeBall(const Chunk& chunk, std::size_t k) const;
+  /// Contact k of those in short of a chunk, in full.
+  Contact describeBrief(const Chunk& chunk, std::size_t k) const;
 };
 
 /// Kinetic energy of all bodies at t_n, J.

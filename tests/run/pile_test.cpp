@@ -116,12 +116,19 @@ TEST_F(Pile, OfEllipsoidsAndOfClumpsIsMeasured) {
 
     std::ifstream file(folder / name / "result.json");
     const auto json = nlohmann::json::parse(file);
-    for (const char* key : {"repose_angle_deg", "porosity", "porosity_smooth", "coordination_particles",
-                            "coordination_spheres", "potential_contacts_per_particle", "wall_s"})
+    for (const char* key :
+         {"repose_angle_deg", "triangle_angle_deg", "porosity", "porosity_smooth", "coordination_particles",
+          "coordination_spheres", "potential_contacts_per_particle", "wall_s"})
       EXPECT_TRUE(json.at(key).is_number()) << key;
     // The sections of five spheres leave out 8.5 % of the ellipse's area.
     const double area = clump ? 0.9148 : 1;
     EXPECT_NEAR((1 - *result.porosity) / (1 - *result.porositySmooth), area, 1e-3);
+    // The triangle's area is half of height times base, the pile's that of the sections without the voids.
+    const double standing = 30 - json.at("counters").at("particles_in_flight").get<double>();
+    const double section = pi * settings.halfLength * settings.halfWidth;
+    const double pileArea = standing * section / (1 - *result.porositySmooth);
+    const double base = *result.height / std::tan(*result.triangleAngle * pi / 180);
+    EXPECT_NEAR(0.5 * *result.height * base, pileArea, 1e-9 * pileArea);
     EXPECT_TRUE(std::filesystem::exists(folder / name / "pile.json"));
     EXPECT_TRUE(std::filesystem::exists(folder / name / "surface.csv"));
   }

@@ -1,0 +1,124 @@
+#include "granular/world/brief_batch.h"
+
+#include <algorithm>
+
+#include "granular/narrow/ball_touch.h"
+#include "granular/narrow/clump_pair.h"
+#include "granular/point/witness.h"
+
+namespace granular {
+namespace {
+
+std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+
+}  // namespace
+
+void BriefBatch::begin(double dt, const World& of) {
+  world = &of;
+  law = lawInLanes(of.options.law, of.options.lawOptions);
+  manyMaterials = of.materials.count() > 1;
+  contacts.count = 0;
+  contacts.dt = dt;
+  for (std::size_t k = 0; k < capacity; ++k) {
+    contacts.share[k] = 1;
+    contacts.area[k] = 0;
+    if (!manyMaterials) putConstants(k, 0, 0);
+  }
+}
+
+void BriefBatch::putConstants(std::size_t k, std::int32_t materialA, std::int32_t materialB) {
+  const WorldOptions& options = world->options;
+  contacts.putConstants(k, world->materials.constants(materialA, materialB), options.lawOptions.tension,
+                        lawReadsCurvature(options.law));
+}
+
+void BriefBatch::move(std::size_t from, std::size_t to) {
+  for (auto* column : {&pair, &a, &b, &childA, &childB}) (*column)[to] = (*column)[from];
+  history[to] = history[from];
+  for (auto* lanes : {&contacts.normal, &contacts.a.arm, &contacts.b.arm}) lanes->put(to, lanes->at(from));
+  for (auto* lane : {&contacts.overlap, &contacts.squaredDepth, &contacts.radius}) (*lane)[to] = (*lane)[from];
+}
+
+void BriefBatch::fillRegister() {
+  const std::size_t last = count() - 1;
+  for (std::size_t k = count(); k % wideSize != 0; ++k) {
+    a[k] = a[last];
+    b[k] = b[last];
+    history[k] = history[last];
+  }
+}
+
+void BriefBatch::press(World::Chunk& chunk) {
+  if (count() == 0) return;
+  fillRegister();
+  load();
+  law(world->options.lawOptions, contacts);
+  store(chunk);
+  contacts.count = 0;
+}
+
+/// What the law reads of the bodies and remembers of the contacts.
+void BriefBatch::load() {
+  for (std::size_t k = 0; k < count(); k += wideSize) {
+    std::array<const MotionRow*, wideSize> rowsA, rowsB;
+    for (std::size_t i = 0; i < wideSize; ++i) {
+      rowsA[i] = &world->motionRows[at(a[k + i])];
+      rowsB[i] = &world->motionRows[at(b[k + i])];
+    }
+    contacts.a.put(k, rowsA);
+    contacts.b.put(k, rowsB);
+    contacts.putHistories(k, &history[k]);
+  }
+  if (!manyMaterials) return;
+  const std::vector<std::int32_t>& material = world->bodies.material;
+  for (std::size_t k = 0; k < count(); ++k) putConstants(k, material[at(a[k])], material[at(b[k])]);
+}
+
+void BriefBatch::store(World::Chunk& chunk) const {
+  const std::size_t before = chunk.briefs.size();
+  chunk.briefs.resize(before + count());
+  chunk.pulls.resize(before + count());
+  for (std::size_t k = 0; k < count(); k += wideSize) {
+    const std::size_t some = std::min(wideSize, count() - k);
+    std::array<ContactPull*, wideSize> pulls;
+    for (std::size_t i = 0; i < wideSize; ++i) pulls[i] = &chunk.pulls[before + k + std::min(i, some - 1)];
+    contacts.takeHistories(k, some, &history[k]);
+    contacts.takePulls(k, some, pulls.data());
+  }
+  for (std::size_t k = 0; k < count(); ++k) {
+    ContactPull& pull = chunk.pulls[before + k];
+    pull.a = a[k];
+    pull.b = b[k];
+    chunk.briefs[before + k] = {
+        pair[k], childA[k], childB[k], contacts.sliding[k] != 0, false, contacts.normalForce[k]};
+  }
+}
+
+Contact World::describeBrief(const Chunk& chunk, std::size_t k) const {
+  const BriefContact& brief = chunk.briefs[k];
+  const ContactPull& pull = chunk.pulls[k];
+  Contact contact;
+  contact.pair = brief.pair;
+  contact.a = pull.a;
+  contact.b = pull.b;
+  contact.spot = {0, brief.childA, brief.childB};
+  contact.shift = options.periods.shift(pairs.pairs[at(brief.pair)].image);
+  if (chunk.touches.empty()) {
+    const PlacedBall ballA = placeBall(*bodies.shape[at(pull.a)], bodies.frame[at(pull.a)], brief.childA);
+    Frame frameB = bodies.frame[at(pull.b)];
+    frameB.x += contact.shift;
+    const PlacedBall ballB = placeBall(*bodies.shape[at(pull.b)], frameB, brief.childB);
+    fillBallTouch(lookAtBalls(ballA.centre, ballA.radius, ballB.centre, ballB.radius), ballA.centre, ballA.radius,
+                  contact.touch);
+  } else {
+    contact.touch.take(chunk.touches[k]);
+  }
+  placeWitness(contact.touch, contact.patch);
+  contact.force = {pull.force, Vec3::Zero(), brief.normalForce, brief.sliding};
+  contact.held = brief.held;
+  contact.torqueA = pull.torqueA;
+  contact.torqueB = pull.torqueB;
+  return contact;
+}
+
+}  // namespace granular

@@ -1,0 +1,274 @@
+// Contacts of ellipsoids in batches, from the search for the normal to the law, without the machinery that other shapes
+// need. In a bed nearly all pairs that are looked at touched in the last step: their normals are foreseen, found by
+// Newton's steps (narrow/ellipsoid_newton.h) and proven side by side. Whatever is not, a birth, an end, a deep overlap,
+// is looked at by the kernel for one pair.
+//
+// Every number is made by the operations of that kernel, placeContact and the law in their order: the answers are the
+// same bits, which Ellipsoids.InBatchesHaveTheSameBitsAsOneByOne holds this file to.
+#include "granular/core/tolerances.h"
+#include "granular/narrow/ellipsoid_pair.h"
+#include "granular/shape/curvature.h"
+#include "granular/shape/ellipsoid.h"
+#include "granular/world/brief_batch.h"
+#include "granular/world/contact_radius.h"
+#include "granular/world/looks.h"
+#include "granular/world/stages.h"
+
+namespace granular {
+namespace {
+
+std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
+
+/// How many pairs ahead of the one looked at.
+constexpr std::size_t ahead = 8;
+
+/// One body of each pair of a register.
+struct Party {
+  PlacedAxes<Wide> axes;
+  Triple<Wide> semiAxes;
+  Wide ratio, leastCurvatureRadius, boundingRadius, size;
+
+  Party(const Bodies& bodies, const std::int32_t* slots) {
+    std::array<const Frame*, wideSize> frames;
+    std::array<const double*, wideSize> rows;
+    for (std::size_t k = 0; k < wideSize; ++k) {
+      frames[k] = &bodies.frame[at(slots[k])];
+      rows[k] = static_cast<const Ellipsoid&>(*bodies.shape[at(slots[k])]).row().data();
+    }
+    axes = loadAxes(frames);
+    std::array<Wide, std::tuple_size_v<Ellipsoid::Row>> column;
+    loadRows(rows, column);
+    semiAxes = {column[0], column[1], column[2]};
+    ratio = column[3];
+    leastCurvatureRadius = column[4];
+    boundingRadius = column[5];
+    size = column[6];
+  }
+};
+
+/// A batch of contacts, and what their places are made of.
+struct EllipsoidBatch : BriefBatch {
+  std::array<std::size_t, capacity> position;  // of the pair among the active ones
+  std::array<WarmCache*, capacity> cache;
+  ContactLanes::Lanes shift, middle;  // of B's image; halfway between the surfaces
+  ContactLanes::Lane known;           // 1: looked at by itself, where it touches is here already; -1: it does not touch
+  ContactLanes::Lane smallerSize;
+
+  void move(std::size_t from, std::size_t to) {
+    BriefBatch::move(from, to);
+    position[to] = position[from];
+    middle.put(to, middle.at(from));
+    smallerSize[to] = smallerSize[from];
+  }
+  void fillRegister() {
+    BriefBatch::fillRegister();
+    const std::size_t last = count() - 1;
+    for (std::size_t k = count(); k % wideSize != 0; ++k) {
+      cache[k] = cache[last];
+      shift.put(k, shift.at(last));
+      known[k] = 1;
+    }
+  }
+};
+
+/// Makes the contacts of a chunk.
+class EllipsoidLooks {
+ public:
+  EllipsoidLooks(double dt, World& of, World::Chunk& into)
+      : world(of), chunk(into), elastic(lawReadsCurvature(of.options.law)), batch(ownOfThread<EllipsoidBatch>()) {
+    batch.begin(dt, of);
+  }
+
+  /// Looks at a pair that is due; position: among the active ones.
+  void take(std::size_t position) {
+    const std::int32_t index = world.activePairs[position];
+    const Pair& pair = world.pairs.pairs[at(index)];
+    PairMemory& memory = world.pairs.memory;
+    WarmCache& cache = memory.cache[at(pair.slot)];
+    SmoothTouch touch;
+    const bool foreseen = isForeseen(cache);
+    if (foreseen) {
+      if (at(pair.slot) < memory.held.size()) memory.held[at(pair.slot)].a = -1;
+    } else if (!lookByItself(index, touch)) {
+      return;
+    }
+    const std::size_t k = batch.add({index, pair.a, pair.b, -1, -1}, memory.history[at(pair.slot)]);
+    batch.position[k] = position;
+    batch.cache[k] = &cache;
+    batch.shift.put(k, world.options.periods.shift(pair.image));
+    batch.known[k] = 0;
+    if (!foreseen) tell(k, touch);
+    if (batch.count() == BriefBatch::capacity) finish();
+  }
+
+  /// Finds where those that wait touch, and presses them.
+  void finish() {
+    if (batch.count() == 0) return;
+    batch.fillRegister();
+    for (std::size_t k = 0; k < batch.count(); k += wideSize) findRegister(k);
+    dropApart();
+    keepTouches();
+    batch.press(chunk);
+  }
+
+ private:
+  bool lookByItself(std::int32_t index, SmoothTouch& touch) {
+    Look look;
+    if (!beginLook(world, index, look)) return false;
+    const Pair& pair = world.pairs.pairs[at(index)];
+    const Bodies& bodies = world.bodies;
+    const bool touching = noteUncertified(look, chunk, [&] {
+      return findEllipsoidTouch(
+          {*bodies.shape[at(pair.a)], bodies.frame[at(pair.a)], *bodies.shape[at(pair.b)], look.frameB, false},
+          world.pairs.memory.cache[at(pair.slot)], chunk.counts, touch);
+    });
+    if (!touching) waitForGap(world, look);
+    return touching;
+  }
+
+  /// What a look by itself found.
+  void tell(std::size_t k, const SmoothTouch& touch) {
+    batch.known[k] = 1;
+    batch.contacts.normal.put(k, touch.normal);
+    batch.contacts.overlap[k] = touch.overlap;
+    batch.middle.put(k, touch.middle);
+  }
+
+  /// Where the contacts of the register from lane k on touch.
+  void findRegister(std::size_t k) {
+    const Triple<Wide> shift = batch.shift.load(k);
+    const Party a(world.bodies, &batch.a[k]), b(world.bodies, &batch.b[k]);
+    PlacedAxes<Wide> imageOfB = b.axes;
+    imageOfB.x = imageOfB.x + shift;
+    const EllipsoidPair<Wide> pair(a.semiAxes, a.axes, b.semiAxes, imageOfB, larger(a.ratio, b.ratio),
+                                   slopeRoundOff(a.boundingRadius, b.boundingRadius));
+    const Triple<Wide> last = lastNormals(k);
+    const NewtonAnswer<Wide> found = takeTwoSteps(pair, foreseeNormal(last, lastTurns(k)));
+
+    const Wide proven = a.leastCurvatureRadius + b.leastCurvatureRadius;
+    const Mask<Wide> open = batch.known.load(k) == Wide{};
+    const Mask<Wide> stands = both(open, both(found.converged, both(found.depth > Wide{}, found.depth <= proven)));
+    remember(k, stands, last, found.normal);
+    BriefBatch::Where where{a.axes.rotate(found.normal), found.depth, a.axes.toWorld(0.5 * (found.onA + found.onB))};
+    if (!all(stands)) {
+      lookAgain(k, both(open, ~stands));
+      where = {choose<Wide>(stands, where.normal, batch.contacts.normal.load(k)),
+               choose(stands, where.overlap, batch.contacts.overlap.load(k)),
+               choose<Wide>(stands, where.middle, batch.middle.load(k))};
+    }
+    batch.place(k, where, a.axes.x, b.axes.x, shift);
+    batch.middle.store(k, where.middle);
+    batch.smallerSize.store(k, smaller(a.size, b.size));
+    if (elastic) putRadii(k, a, b, where.normal);
+  }
+
+  Triple<Wide> lastNormals(std::size_t k) const {
+    std::array<const Vec3*, wideSize> normals;
+    for (std::size_t i = 0; i < wideSize; ++i) normals[i] = &batch.cache[k + i]->direction;
+    return loadVectors(normals);
+  }
+  Triple<Wide> lastTurns(std::size_t k) const {
+    Triple<Wide> turns;
+    for (std::size_t i = 0; i < wideSize; ++i) {
+      const Triple<double> turn = lastTurn(*batch.cache[k + i]);
+      turns.x[i] = turn.x;
+      turns.y[i] = turn.y;
+      turns.z[i] = turn.z;
+    }
+    return turns;
+  }
+
+  /// What the kernel for one pair writes of a touch, for the lanes that stand.
+  void remember(std::size_t k, const Mask<Wide>& stands, const Triple<Wide>& last, const Triple<Wide>& normal) {
+    const Mask<Wide> flipped = both(stands, last.dot(normal) < flipCosine + Wide{});
+    const Triple<Wide> turn = normal - last;
+    for (std::size_t i = 0; i < wideSize; ++i) {
+      if (stands[i] == 0) continue;
+      WarmCache& cache = *batch.cache[k + i];
+      ++chunk.counts.warm;
+      if (flipped[i] != 0) ++chunk.counts.normalFlips;
+      rememberTurn({turn.x[i], turn.y[i], turn.z[i]}, cache);
+      cache.direction = {normal.x[i], normal.y[i], normal.z[i]};
+    }
+  }
+
+  /// By themselves, those of the register from lane k on.
+  void lookAgain(std::size_t k, const Mask<Wide>& which) {
+    for (std::size_t i = 0; i < wideSize; ++i) {
+      if (which[i] == 0) continue;
+      SmoothTouch touch;
+      if (lookByItself(batch.pair[k + i], touch)) {
+        tell(k + i, touch);
+      } else {
+        batch.known[k + i] = -1;
+      }
+    }
+  }
+
+  void putRadii(std::size_t k, const Party& a, const Party& b, const Triple<Wide>& normal) {
+    const CurvatureIn<Wide> sum = curvatureBetween<Wide>({a.axes, a.semiAxes}, {b.axes, b.semiAxes}, normal);
+    ContactLanes::Lane& radius = batch.contacts.radius;
+    radius.store(k, radiusOfRound(sum));
+    const Mask<Wide> round = isRound(sum, Wide(tolerance::flattest * smaller(a.size, b.size)));
+    if (all(round)) return;
+    for (std::size_t i = k; i < k + wideSize; ++i) {
+      if (round[i - k] == 0)
+        radius[i] = ellipsoidRadius(world.bodies, batch.a[i], batch.b[i], batch.contacts.normal.take(i));
+    }
+  }
+
+  /// Takes out those that do not touch, and notes where the others are.
+  void dropApart() {
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < batch.count(); ++k) {
+      if (batch.known[k] < 0) continue;
+      if (kept != k) batch.move(k, kept);
+      const std::size_t place = chunk.briefs.size() + kept;
+      world.contactsOfPair[batch.position[kept]] = {static_cast<std::int32_t>(place), 1};
+      chunk.noteDepth(batch.contacts.overlap[kept], batch.smallerSize[kept], place);
+      ++kept;
+    }
+    batch.contacts.count = kept;
+  }
+
+  void keepTouches() {
+    const std::size_t before = chunk.touches.size(), count = batch.count();
+    chunk.touches.resize(before + count);
+    for (std::size_t k = 0; k < count; k += wideSize) {
+      const std::size_t some = std::min(wideSize, count - k);
+      std::array<double*, wideSize> rows;
+      for (std::size_t i = 0; i < wideSize; ++i)
+        rows[i] = chunk.touches[before + k + std::min(i, some - 1)].normal.data();
+      const Triple<Wide> n = batch.contacts.normal.load(k), middle = batch.middle.load(k);
+      storeRows<7>({n.x, n.y, n.z, batch.contacts.overlap.load(k), middle.x, middle.y, middle.z}, rows, some);
+    }
+  }
+
+  World& world;
+  World::Chunk& chunk;
+  const bool elastic;
+  EllipsoidBatch& batch;
+};
+
+}  // namespace
+
+void makeEllipsoidContacts(double dt, std::size_t c, World& world) {
+  World::Chunk& chunk = world.chunks[c];
+  startChunk(chunk);
+  EllipsoidLooks looks(dt, world, chunk);
+  const std::size_t first = c * World::chunkSize;
+  std::array<std::size_t, World::chunkSize> due;
+  const std::size_t last = std::min(first + World::chunkSize, world.activePairs.size());
+  const std::size_t count = listDue(world, first, last, due.data());
+  for (std::size_t k = 0; k < count; ++k) {
+    if (k + ahead < count) {
+      const Pair& next = world.pairs.pairs[at(world.activePairs[due[k + ahead]])];
+      __builtin_prefetch(&world.pairs.memory.cache[at(next.slot)]);
+      __builtin_prefetch(&world.pairs.memory.history[at(next.slot)]);
+    }
+    looks.take(due[k]);
+  }
+  looks.finish();
+}
+
+}  // namespace granular
