@@ -40,22 +40,34 @@ inline void storeRows(const Triple<Wide>& v, double* rows) {
 #endif
 }
 
-/// Four numbers of each row; rows begin `stride` numbers apart.
-inline void loadRows(const double* rows, std::size_t stride, Quadruple<Wide>& q) {
 #if defined(__AVX512F__)
-  const auto pick = [&](std::size_t k) {
-    const __m256d low = _mm256_loadu_pd(rows + k * stride);
-    return Wide(_mm512_insertf64x4(_mm512_castpd256_pd512(low), _mm256_loadu_pd(rows + (k + 4) * stride), 1));
-  };
-  const Wide r0 = pick(0), r1 = pick(1), r2 = pick(2), r3 = pick(3);
+/// Columns of eight rows of four numbers: rows 0 and 4, 1 and 5, 2 and 6, 3 and 7 one behind the other.
+inline std::array<Wide, 4> turnFours(const Wide& r0, const Wide& r1, const Wide& r2, const Wide& r3) {
   const Wide xz01 = __builtin_shufflevector(r0, r1, 0, 8, 2, 10, 4, 12, 6, 14);
   const Wide yw01 = __builtin_shufflevector(r0, r1, 1, 9, 3, 11, 5, 13, 7, 15);
   const Wide xz23 = __builtin_shufflevector(r2, r3, 0, 8, 2, 10, 4, 12, 6, 14);
   const Wide yw23 = __builtin_shufflevector(r2, r3, 1, 9, 3, 11, 5, 13, 7, 15);
-  q.x = __builtin_shufflevector(xz01, xz23, 0, 1, 8, 9, 4, 5, 12, 13);
-  q.y = __builtin_shufflevector(yw01, yw23, 0, 1, 8, 9, 4, 5, 12, 13);
-  q.z = __builtin_shufflevector(xz01, xz23, 2, 3, 10, 11, 6, 7, 14, 15);
-  q.w = __builtin_shufflevector(yw01, yw23, 2, 3, 10, 11, 6, 7, 14, 15);
+  return {__builtin_shufflevector(xz01, xz23, 0, 1, 8, 9, 4, 5, 12, 13),
+          __builtin_shufflevector(yw01, yw23, 0, 1, 8, 9, 4, 5, 12, 13),
+          __builtin_shufflevector(xz01, xz23, 2, 3, 10, 11, 6, 7, 14, 15),
+          __builtin_shufflevector(yw01, yw23, 2, 3, 10, 11, 6, 7, 14, 15)};
+}
+inline Wide joinHalves(__m256d low, __m256d high) {
+  return Wide(_mm512_insertf64x4(_mm512_castpd256_pd512(low), high, 1));
+}
+#endif
+
+/// Four numbers of each row; rows begin `stride` numbers apart.
+inline void loadRows(const double* rows, std::size_t stride, Quadruple<Wide>& q) {
+#if defined(__AVX512F__)
+  const auto pick = [&](std::size_t k) {
+    return joinHalves(_mm256_loadu_pd(rows + k * stride), _mm256_loadu_pd(rows + (k + 4) * stride));
+  };
+  const std::array<Wide, 4> columns = turnFours(pick(0), pick(1), pick(2), pick(3));
+  q.x = columns[0];
+  q.y = columns[1];
+  q.z = columns[2];
+  q.w = columns[3];
 #else
   for (std::size_t k = 0; k < wideSize; ++k) {
     q.x[k] = rows[stride * k];
@@ -116,6 +128,17 @@ template <std::size_t width>
 void loadRows(const std::array<const double*, wideSize>& rows, std::array<Wide, width>& columns) {
   static_assert(width <= 8);
 #if defined(__AVX512F__)
+#if defined(__AVX512VL__)
+  if constexpr (width <= 4) {
+    constexpr __mmask8 some = (1u << width) - 1;
+    const auto pick = [&](std::size_t k) {
+      return joinHalves(_mm256_maskz_loadu_pd(some, rows[k]), _mm256_maskz_loadu_pd(some, rows[k + 4]));
+    };
+    const std::array<Wide, 4> all = turnFours(pick(0), pick(1), pick(2), pick(3));
+    std::copy_n(all.begin(), width, columns.begin());
+    return;
+  }
+#endif
   std::array<Wide, 8> m;
   for (std::size_t k = 0; k < 8; ++k) m[k] = _mm512_maskz_loadu_pd((1u << width) - 1, rows[k]);
   transpose(m);

@@ -1,7 +1,7 @@
-// Contacts of spheres and of clumps, which are made of spheres, in batches: found, placed and pressed without the
-// machinery that other shapes need. A chunk's touching balls are laid out side by side, each quantity in a lane of its
-// own (law/contact_lanes.h); where they touch is worked out for as many at once as a register holds, and the law goes
-// on from there.
+// Contacts of clumps, which are made of spheres, and of spheres among them, in batches: found, placed and pressed
+// without the machinery that other shapes need. A chunk's touching balls are laid out side by side, each quantity in a
+// lane of its own (law/contact_lanes.h); where they touch is worked out for as many at once as a register holds, and
+// the law goes on from there.
 //
 // Every number is made by the operations of lookAtPair, placeContact and the law in their order: the answers are the
 // same bits, which Balls.InBatchesHaveTheSameBitsAsOneByOne holds this file to.
@@ -35,8 +35,8 @@ struct TouchingBalls {
 
 /// A batch of contacts, and what their places are made of.
 struct BallBatch : BriefBatch {
-  ContactLanes::Lanes bodyA, bodyB, shift;  // centres of mass; of B's image
-  ContactLanes::Lanes ballA, between;       // centre of A's ball; from there to the centre of B's
+  ContactLanes::Lanes bodyA, bodyB;    // centres of mass
+  ContactLanes::Lanes ballA, between;  // centre of A's ball; from there to the centre of B's
   ContactLanes::Lane distance, radiusA, radiusB;
 
   void add(const BallPair& of, const TouchingBalls& touch, ContactHistory& memory) {
@@ -66,7 +66,7 @@ void placeBalls(const Bodies& bodies, BallBatch& s) {
     const Triple<Wide> n = choose<Wide>(apart, along, {spread(1), Wide{}, Wide{}});
     const Triple<Wide> middle = s.ballA.load(k) + Wide(radiusA - 0.5 * inside) * n;
     s.contacts.radius.store(k, radiusA * radiusB / radii);
-    s.place(k, {n, inside, middle}, s.bodyA.load(k), s.bodyB.load(k), s.shift.load(k));
+    s.place(k, {n, inside, middle}, s.bodyA.load(k), s.bodyB.load(k));
   }
 }
 

@@ -32,16 +32,32 @@ void BriefBatch::putConstants(std::size_t k, std::int32_t materialA, std::int32_
                         lawReadsCurvature(options.law));
 }
 
+/// Lane `to` becomes lane `from`.
 void BriefBatch::move(std::size_t from, std::size_t to) {
   for (auto* column : {&pair, &a, &b, &childA, &childB}) (*column)[to] = (*column)[from];
   history[to] = history[from];
-  for (auto* lanes : {&contacts.normal, &contacts.a.arm, &contacts.b.arm}) lanes->put(to, lanes->at(from));
+  for (auto* lanes : {&middle, &contacts.normal, &contacts.a.arm, &contacts.b.arm}) lanes->put(to, lanes->at(from));
   for (auto* lane : {&contacts.overlap, &contacts.squaredDepth, &contacts.radius}) (*lane)[to] = (*lane)[from];
+}
+
+void BriefBatch::dropApart(const std::array<std::size_t, capacity>& positions, const ContactLanes::Lane& size,
+                           World& of, World::Chunk& chunk) {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < count(); ++k) {
+    const double overlap = contacts.overlap[k];
+    if (!(overlap > 0)) continue;
+    if (kept != k) move(k, kept);
+    const std::size_t place = chunk.briefs.size() + kept++;
+    of.contactsOfPair[positions[k]] = {static_cast<std::int32_t>(place), 1};
+    if (overlap > chunk.deepest * size[k]) chunk.noteDepth(overlap, size[k], place);
+  }
+  contacts.count = kept;
 }
 
 void BriefBatch::fillRegister() {
   const std::size_t last = count() - 1;
   for (std::size_t k = count(); k % wideSize != 0; ++k) {
+    shift.put(k, shift.at(last));
     a[k] = a[last];
     b[k] = b[last];
     history[k] = history[last];

@@ -21,6 +21,7 @@ struct BriefBatch {
 
   std::array<std::int32_t, capacity> pair, a, b, childA, childB;  ///< as in BriefContact; body slots
   std::array<ContactHistory*, capacity> history;
+  ContactLanes::Lanes shift, middle;  ///< of B's image; halfway between the surfaces, m
   ContactLanes contacts;  ///< for the law, where normal, overlap, squaredDepth, radius and arms are still missing
 
   std::size_t count() const { return contacts.count; }
@@ -40,14 +41,13 @@ struct BriefBatch {
     history[k] = &memory;
     return k;
   }
-  /// Where the contacts of the register from lane k on touch; x: the bodies' centres of mass, shift: of B's image, m.
+  /// Where the contacts of the register from lane k on touch; x: the bodies' centres of mass, m.
   struct Where {
     Triple<Wide> normal;
     Wide overlap;
     Triple<Wide> middle;
   };
-  void place(std::size_t k, const Where& where, const Triple<Wide>& xA, const Triple<Wide>& xB,
-             const Triple<Wide>& shift) {
+  void place(std::size_t k, const Where& where, const Triple<Wide>& xA, const Triple<Wide>& xB) {
     // The arithmetic of Touch::placeAbout and placeWitness.
     const Triple<Wide> half = Wide(0.5 * where.overlap) * where.normal;
     const Triple<Wide> point = 0.5 * (where.middle + half + (where.middle - half));
@@ -55,17 +55,22 @@ struct BriefBatch {
     contacts.overlap.store(k, where.overlap);
     contacts.squaredDepth.store(k, where.overlap * where.overlap);
     contacts.a.arm.store(k, point - xA);
-    contacts.b.arm.store(k, point - xB - shift);
+    contacts.b.arm.store(k, point - xB - shift.load(k));
+    middle.store(k, where.middle);
   }
-  /// Lane `to` becomes lane `from`.
-  void move(std::size_t from, std::size_t to);
   /// Fills the lanes beyond the last contact of its register with that contact: they take part in loading whole
   /// registers, and in nothing else.
   void fillRegister();
+  /// Takes out those whose overlap is not above 0; pairs of the others, which have one contact each, learn where it
+  /// will be in the chunk, and the deepest is noted. positions: of the pairs among the active ones; size: what overlaps
+  /// are relative to, m.
+  void dropApart(const std::array<std::size_t, capacity>& positions, const ContactLanes::Lane& size, World& of,
+                 World::Chunk& chunk);
   /// The law for all contacts: histories are kept, contacts and their pulls appended to the chunk.
   void press(World::Chunk& chunk);
 
  private:
+  void move(std::size_t from, std::size_t to);
   void load();
   void store(World::Chunk& chunk) const;
   void putConstants(std::size_t k, std::int32_t materialA, std::int32_t materialB);

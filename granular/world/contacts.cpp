@@ -182,6 +182,7 @@ auto chooseBatches(const World& world, Range range) -> decltype(World::Chunk::ma
   const PointRule rule = options.rule.rule;
   const bool deepest = rule != PointRule::faceCentroid && rule != PointRule::manifold && !isUsersRule(rule);
   if (options.noBatches || !plain || !deepest) return nullptr;
+  if (areAll(ShapeKind::sphere, world, range)) return makeSphereContacts;
   if (areAll(world, range, isOfBalls)) return makeBallContacts;
   return options.skips.feature && areAll(ShapeKind::ellipsoid, world, range) ? makeEllipsoidContacts : nullptr;
 }

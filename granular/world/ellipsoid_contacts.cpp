@@ -50,22 +50,14 @@ struct Party {
 struct EllipsoidBatch : BriefBatch {
   std::array<std::size_t, capacity> position;  // of the pair among the active ones
   std::array<WarmCache*, capacity> cache;
-  ContactLanes::Lanes shift, middle;  // of B's image; halfway between the surfaces
-  ContactLanes::Lane known;           // 1: looked at by itself, where it touches is here already; -1: it does not touch
+  ContactLanes::Lane known;  // 1: looked at by itself, and where it touches, if it does, is here already
   ContactLanes::Lane smallerSize;
 
-  void move(std::size_t from, std::size_t to) {
-    BriefBatch::move(from, to);
-    position[to] = position[from];
-    middle.put(to, middle.at(from));
-    smallerSize[to] = smallerSize[from];
-  }
   void fillRegister() {
     BriefBatch::fillRegister();
     const std::size_t last = count() - 1;
     for (std::size_t k = count(); k % wideSize != 0; ++k) {
       cache[k] = cache[last];
-      shift.put(k, shift.at(last));
       known[k] = 1;
     }
   }
@@ -106,7 +98,7 @@ class EllipsoidLooks {
     if (batch.count() == 0) return;
     batch.fillRegister();
     for (std::size_t k = 0; k < batch.count(); k += wideSize) findRegister(k);
-    dropApart();
+    batch.dropApart(batch.position, batch.smallerSize, world, chunk);
     keepTouches();
     batch.press(chunk);
   }
@@ -136,10 +128,9 @@ class EllipsoidLooks {
 
   /// Where the contacts of the register from lane k on touch.
   void findRegister(std::size_t k) {
-    const Triple<Wide> shift = batch.shift.load(k);
     const Party a(world.bodies, &batch.a[k]), b(world.bodies, &batch.b[k]);
     PlacedAxes<Wide> imageOfB = b.axes;
-    imageOfB.x = imageOfB.x + shift;
+    imageOfB.x = imageOfB.x + batch.shift.load(k);
     const EllipsoidPair<Wide> pair(a.semiAxes, a.axes, b.semiAxes, imageOfB, larger(a.ratio, b.ratio),
                                    slopeRoundOff(a.boundingRadius, b.boundingRadius));
     const Triple<Wide> last = lastNormals(k);
@@ -156,8 +147,7 @@ class EllipsoidLooks {
                choose(stands, where.overlap, batch.contacts.overlap.load(k)),
                choose<Wide>(stands, where.middle, batch.middle.load(k))};
     }
-    batch.place(k, where, a.axes.x, b.axes.x, shift);
-    batch.middle.store(k, where.middle);
+    batch.place(k, where, a.axes.x, b.axes.x);
     batch.smallerSize.store(k, smaller(a.size, b.size));
     if (elastic) putRadii(k, a, b, where.normal);
   }
@@ -200,7 +190,7 @@ class EllipsoidLooks {
       if (lookByItself(batch.pair[k + i], touch)) {
         tell(k + i, touch);
       } else {
-        batch.known[k + i] = -1;
+        batch.contacts.overlap[k + i] = 0;
       }
     }
   }
@@ -215,20 +205,6 @@ class EllipsoidLooks {
       if (round[i - k] == 0)
         radius[i] = ellipsoidRadius(world.bodies, batch.a[i], batch.b[i], batch.contacts.normal.take(i));
     }
-  }
-
-  /// Takes out those that do not touch, and notes where the others are.
-  void dropApart() {
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < batch.count(); ++k) {
-      if (batch.known[k] < 0) continue;
-      if (kept != k) batch.move(k, kept);
-      const std::size_t place = chunk.briefs.size() + kept;
-      world.contactsOfPair[batch.position[kept]] = {static_cast<std::int32_t>(place), 1};
-      chunk.noteDepth(batch.contacts.overlap[kept], batch.smallerSize[kept], place);
-      ++kept;
-    }
-    batch.contacts.count = kept;
   }
 
   void keepTouches() {

@@ -20,8 +20,9 @@ void refreshPairs(double dt, World& world);
 void makeContacts(double dt, World& world);
 /// The motion of the bodies in active pairs as rows, for laws in lanes. Nothing for others.
 void layOutMotion(World& world);
-/// The three stages below at once for a chunk of balls (ball_contacts.cpp) or of ellipsoids (ellipsoid_contacts.cpp),
-/// in batches; the same bits.
+/// The three stages below at once for a chunk of spheres (sphere_contacts.cpp), of clumps and spheres
+/// (ball_contacts.cpp) or of ellipsoids (ellipsoid_contacts.cpp), in batches; the same bits.
+void makeSphereContacts(double dt, std::size_t c, World& world);
 void makeBallContacts(double dt, std::size_t c, World& world);
 void makeEllipsoidContacts(double dt, std::size_t c, World& world);
 /// Which pairs of chunk c touch: normal and overlap of each contact.
