@@ -191,7 +191,9 @@ TimeStepBound boundOfContacts(const World& world) {
     body.inverseInertia = R * bodies.inverseInertia[i].asDiagonal() * R.transpose();
     return body;
   };
+  const auto rests = [&](std::int32_t index) { return index < 0 || !bodies.moves(static_cast<std::size_t>(index)); };
   world.visitContacts([&](const Contact& contact) {
+    if (rests(contact.a) && rests(contact.b)) return;  // nothing swings
     const auto a = static_cast<std::size_t>(contact.a);
     const ContactBody bodyA = bodyAt(a, contact.patch.point - bodies.x[a]);
     ContactBody bodyB;

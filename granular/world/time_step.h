@@ -42,7 +42,7 @@ struct BodyKind {
 TimeStepBound boundBeforeRun(const std::vector<BodyKind>& kinds, const MaterialTable& materials,
                              const WorldOptions& options, int contactsAssumed = 8);
 
-/// During a run: the bodies with the contacts they have now.
+/// During a run: the bodies that move, with the contacts they have now.
 TimeStepBound boundOfContacts(const World& world);
 
 /// Largest stable omega dt of a damped oscillator under the predicted velocity.

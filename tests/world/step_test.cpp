@@ -197,6 +197,21 @@ TEST(TimeStep, BoundBeforeTheRunIsBelowThatOfTheContactsThatCome) {
   EXPECT_GT(before.bound, 0.2 * smallest);
 }
 
+TEST(TimeStep, BoundOfTheContactsCountsThoseWhoMove) {
+  auto world = makeHeap({}, 4);
+  startHalfSteps(*world, 5e-6, 0, true);
+  testing::run(*world, 5e-6, 6000);
+  const double ofAll = boundOfContacts(*world).bound;
+  std::size_t touching = 0;
+  world->visitContacts([&](const Contact& contact) { touching = static_cast<std::size_t>(contact.a); });
+  for (std::size_t i = 0; i < world->bodies.size(); ++i) world->bodies.hold(i, BodyState::asleep);
+  EXPECT_EQ(boundOfContacts(*world).bound, infinity);
+  world->bodies.release(touching);
+  const double ofOne = boundOfContacts(*world).bound;
+  EXPECT_LT(ofOne, infinity);
+  EXPECT_GE(ofOne, ofAll);
+}
+
 /// A heap of balls and ellipsoids of Hertz's law, soft enough for long steps.
 std::unique_ptr<World> makeElasticHeap(double young) {
   WorldOptions options;
