@@ -182,9 +182,8 @@ void makeBallContacts(double dt, std::size_t c, World& world) {
   World::Chunk& chunk = world.chunks[c];
   startChunk(chunk);
   BallLooks looks(dt, world, chunk);
-  const std::size_t first = c * World::chunkSize;
-  const std::size_t last = std::min(first + World::chunkSize, world.activePairs.size());
-  for (std::size_t p = first; p < last; ++p) {
+  const Range range = chunkRange(c, world.activePairs.size());
+  for (std::size_t p = range.first; p < range.last; ++p) {
     const std::size_t before = looks.count(), found = looks.take(world.activePairs[p]);
     world.contactsOfPair[p] = {static_cast<std::int32_t>(before), static_cast<std::int32_t>(found)};
   }

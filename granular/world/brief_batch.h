@@ -16,6 +16,7 @@ Thing& ownOfThread() {
   return thing;
 }
 
+/// A batch of contacts.
 struct BriefBatch {
   static constexpr std::size_t capacity = ContactLanes::capacity;
 
@@ -27,10 +28,11 @@ struct BriefBatch {
   std::size_t count() const { return contacts.count; }
   /// Empties it for the contacts of a world; dt: of the step, s.
   void begin(double dt, const World& of);
-  /// Adds a contact: returns its lane. memory is read and written by press().
+  /// Who touch: as in BriefContact; body slots.
   struct Who {
     std::int32_t pair, a, b, childA, childB;
   };
+  /// Adds a contact: returns its lane. memory is read and written by press().
   std::size_t add(const Who& who, ContactHistory& memory) {
     const std::size_t k = contacts.count++;
     pair[k] = who.pair;
@@ -41,12 +43,13 @@ struct BriefBatch {
     history[k] = &memory;
     return k;
   }
-  /// Where the contacts of the register from lane k on touch; x: the bodies' centres of mass, m.
+  /// SmoothTouch of the contacts in a register.
   struct Where {
     Triple<Wide> normal;
     Wide overlap;
     Triple<Wide> middle;
   };
+  /// Where the contacts of the register from lane k on touch; x: the bodies' centres of mass, m.
   void place(std::size_t k, const Where& where, const Triple<Wide>& xA, const Triple<Wide>& xB) {
     // The arithmetic of Touch::placeAbout and placeWitness.
     const Triple<Wide> half = Wide(0.5 * where.overlap) * where.normal;

@@ -17,14 +17,6 @@ std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 /// How many pairs ahead of the one looked at.
 constexpr std::size_t farAhead = 8, nextAhead = 2;
 
-/// Half-open range of one chunk's items.
-struct Range {
-  std::size_t first, last;
-};
-Range chunkRange(std::size_t chunk, std::size_t count) {
-  const std::size_t first = chunk * World::chunkSize;
-  return {first, std::min(first + World::chunkSize, count)};
-}
 std::size_t chunkCount(std::size_t items) { return (items + World::chunkSize - 1) / World::chunkSize; }
 
 /// Bodies near walls, in the order of bodies; spots of surviving pairs are kept.

@@ -257,11 +257,9 @@ void keepTouching(const std::size_t* positions, std::size_t count, World& world,
 
 void findCuboidContacts(std::size_t c, World& world) {
   World::Chunk& chunk = world.chunks[c];
-  const std::size_t first = c * World::chunkSize;
-  const std::size_t last = std::min(first + World::chunkSize, world.activePairs.size());
   CuboidLooks looks(world, chunk);
   std::array<std::size_t, World::chunkSize> due;
-  const std::size_t dueCount = listDue(world, first, last, due.data());
+  const std::size_t dueCount = listDue(world, chunkRange(c, world.activePairs.size()), due.data());
   constexpr std::size_t ahead = 4;
   for (std::size_t k = 0; k < dueCount; ++k) {
     if (k + ahead < dueCount) {

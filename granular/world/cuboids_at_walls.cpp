@@ -116,19 +116,18 @@ class CuboidsAtWalls {
 
 void findCuboidsAtWalls(std::size_t c, World& world) {
   World::Chunk& chunk = world.chunks[c];
-  const std::size_t first = (c - world.wallChunkBegin) * World::chunkSize;
-  const std::size_t last = std::min(first + World::chunkSize, world.activeWallPairs.size());
+  const Range range = chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size());
   std::array<std::size_t, World::chunkSize> positions;
   CuboidsAtWalls looks(world, chunk);
-  for (std::size_t p = first; p < last; ++p) {
+  for (std::size_t p = range.first; p < range.last; ++p) {
     const auto before = static_cast<std::int32_t>(chunk.contacts.size());
     looks.take(world.activeWallPairs[p]);
     const std::size_t position = world.activePairs.size() + p;
-    positions[p - first] = position;
+    positions[p - range.first] = position;
     world.contactsOfPair[position] = {before, static_cast<std::int32_t>(chunk.contacts.size()) - before};
   }
   looks.finish();
-  keepTouching(positions.data(), last - first, world, chunk);
+  keepTouching(positions.data(), range.last - range.first, world, chunk);
 }
 
 }  // namespace granular

@@ -1,9 +1,20 @@
 // Looks at pairs of bodies, and what follows from them: shared by the ways to find contacts, one by one and in batches.
 #pragma once
 
+#include <algorithm>
+
 #include "granular/world/world.h"
 
 namespace granular {
+
+/// Half-open range of one chunk's items.
+struct Range {
+  std::size_t first, last;
+};
+inline Range chunkRange(std::size_t chunk, std::size_t count) {
+  const std::size_t first = chunk * World::chunkSize;
+  return {first, std::min(first + World::chunkSize, count)};
+}
 
 /// A look at one pair of bodies that has begun.
 struct Look {
@@ -20,11 +31,11 @@ inline bool isQuiet(const World& world, const Pair& pair) {
   return world.options.skips.separation &&
          travel[static_cast<std::size_t>(pair.a)] + travel[static_cast<std::size_t>(pair.b)] < pair.quietUntil;
 }
-/// Lists which of the active pairs [first, last) need a look, without a branch, which would be foretold badly; returns
+/// Lists which of these active pairs need a look, without a branch, which would be foretold badly; returns
 /// how many. Those that need none have no contact. list: room for all of them.
-inline std::size_t listDue(World& world, std::size_t first, std::size_t last, std::size_t* list) {
+inline std::size_t listDue(World& world, Range range, std::size_t* list) {
   std::size_t count = 0;
-  for (std::size_t p = first; p < last; ++p) {
+  for (std::size_t p = range.first; p < range.last; ++p) {
     list[count] = p;
     count += !isQuiet(world, world.pairs.pairs[static_cast<std::size_t>(world.activePairs[p])]);
     world.contactsOfPair[p] = {};

@@ -6,7 +6,7 @@
 namespace granular {
 
 /// Below these a stage runs on one thread: waking the others would take longer than they save. Results are the same.
-inline constexpr std::size_t chunksForThreads = 32;    ///< of World::chunkSize pairs
+inline constexpr std::size_t chunksForThreads = 32;   ///< of World::chunkSize pairs
 inline constexpr std::size_t bodiesForThreads = 512;  ///< that move
 
 /// Puts moving walls where they are at t_{n+1}.
