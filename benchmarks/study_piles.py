@@ -2,7 +2,7 @@
 """Runs piles of ellipsoids and of clumps of N spheres over seeds, and tabulates and plots them.
 
 usage: study_piles.py --pile build/release/demos/pile --out DIR [--spheres 0,3,5,7,9,13,17] [--seeds 1,2,3]
-       [--count 1000] [--sleep 1e-4] [--jobs N] [--report-only] [further options of pile after --]
+       [--count 1000] [--sleep 0] [--jobs N] [--report-only] [further options of pile after --]
 
 N = 0 is the smooth ellipsoid. Each run has its folder DIR/N-<N>_sleep-<E>_count-<C>_seed-<S>: a run with a result.json
 is not done again, one with a checkpoint goes on from there, so that a study that was stopped goes on where it was.
@@ -56,7 +56,7 @@ def main():
     parser.add_argument("--spheres", default="0,3,5,7,9,13,17", help="numbers of spheres; 0: the smooth ellipsoid")
     parser.add_argument("--seeds", default="1,2,3")
     parser.add_argument("--count", type=int, default=1000, help="particles of a pile")
-    parser.add_argument("--sleep", default="1e-4", help="threshold of sleep over m g d; 0: none sleeps")
+    parser.add_argument("--sleep", default="0", help="threshold of sleep over m g d; 0: none sleeps, which takes some five times as long")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="runs at once")
     parser.add_argument("--report-only", action="store_true", help="run nothing, tabulate what is there")
     parser.add_argument("rest", nargs="*", help="further options of pile, after --")
