@@ -1,5 +1,4 @@
 // Stages of a step that make forces of contacts: the law of each, and the sum on each body.
-#include "granular/body/lanes.h"
 #include "granular/core/share_out.h"
 #include "granular/world/contact_radius.h"
 #include "granular/world/law_batch.h"
@@ -175,36 +174,36 @@ void measureWallStiffness(World& world) {
   }
 }
 
-/// Weight, and for a sleeper the contacts at rest, before the contacts of the step are added; the load so far.
-void startSums(World& world) {
-  Bodies& bodies = world.bodies;
-  const bool worthwhile = world.gathered.size() >= bodiesForThreads;
-  const Vec3& g = world.options.gravity;
-  visitBodies(world.gathered, world.options.noBatches, worthwhile, [&]<class Place>(const Place& place) {
-    using Real = typename Place::Real;
-    const Real mass = place.read(bodies.mass);
-    place.write(Triple<Real>{mass * g.x(), mass * g.y(), mass * g.z()}, bodies.force);
-    place.write(Triple<Real>{}, bodies.torque);
-  });
-  if (!world.options.sleep.on && world.heldForce.empty()) return;
-  for (const std::int32_t slot : world.gathered) {
-    const std::size_t i = at(slot);
-    if (world.options.sleep.on) world.load[i] = bodies.force[i].norm();
-    if (bodies.state[i] != BodyState::asleep) continue;
-    bodies.force[i] += world.heldForce[i];
-    bodies.torque[i] += world.heldTorque[i];
+/// What is summed of a body.
+struct Sums {
+  Vec3 force, torque;
+  double load;  ///< for sleep alone
+};
+
+/// Weight, and for a sleeper the contacts at rest: before the contacts of the step are added.
+Sums beginSums(const World& world, std::size_t i) {
+  const Bodies& bodies = world.bodies;
+  Sums sums{bodies.mass[i] * world.options.gravity, Vec3::Zero(), 0};
+  if (world.options.sleep.on) sums.load = sums.force.norm();
+  if (bodies.state[i] == BodyState::asleep && !world.heldForce.empty()) {
+    sums.force += world.heldForce[i];
+    sums.torque += world.heldTorque[i];
   }
+  return sums;
+}
+void keepSums(const Sums& sums, std::size_t i, World& world) {
+  world.bodies.force[i] = sums.force;
+  world.bodies.torque[i] = sums.torque;
+  if (world.options.sleep.on) world.load[i] = sums.load;
 }
 
 /// Body by body, each by one thread.
 void sumByBodies(World& world) {
-  Bodies& bodies = world.bodies;
   const std::size_t pairCount = world.activePairs.size();
   const bool loads = world.options.sleep.on;
   shareOutEvenly(world.gathered.size(), world.gathered.size() >= bodiesForThreads, [&](std::size_t g) {
     const auto i = at(world.gathered[g]);
-    Vec3 force = bodies.force[i], torque = bodies.torque[i];
-    double load = loads ? world.load[i] : 0;
+    Sums sums = beginSums(world, i);
     for (std::int32_t e = world.incidenceBegin[i]; e < world.incidenceBegin[i + 1]; ++e) {
       const World::Incidence& link = world.incidence[at(e)];
       const bool atWall = link.active < 0;
@@ -214,14 +213,12 @@ void sumByBodies(World& world) {
       const std::size_t chunk = p / World::chunkSize + (atWall ? world.wallChunkBegin : 0);
       for (std::int32_t k = range.first; k < range.first + range.count; ++k) {
         const ContactPull& pull = world.chunks[chunk].pulls[at(k)];
-        force += link.isB ? -pull.force : pull.force;
-        torque += link.isB ? pull.torqueB : pull.torqueA;
-        if (loads) load += 0.5 * pull.force.norm();
+        sums.force += link.isB ? -pull.force : pull.force;
+        sums.torque += link.isB ? pull.torqueB : pull.torqueA;
+        if (loads) sums.load += 0.5 * pull.force.norm();
       }
     }
-    bodies.force[i] = force;
-    bodies.torque[i] = torque;
-    if (loads) world.load[i] = load;
+    keepSums(sums, i, world);
   });
 }
 
@@ -229,6 +226,7 @@ void sumByBodies(World& world) {
 void sumByContacts(World& world) {
   Bodies& bodies = world.bodies;
   const bool loads = world.options.sleep.on;
+  for (const std::int32_t slot : world.gathered) keepSums(beginSums(world, at(slot)), at(slot), world);
   const auto isFrozen = [&](std::int32_t body) { return body < 0 || bodies.state[at(body)] == BodyState::frozen; };
   for (const World::Chunk& chunk : world.chunks) {
     for (const ContactPull& pull : chunk.pulls) {
@@ -266,7 +264,6 @@ void applyForceLaws(double dt, std::size_t c, World& world) {
 
 void gatherForces(World& world) {
   if (world.options.sleep.on) world.load.resize(world.bodies.size());
-  startSums(world);
   omp_get_max_threads() == 1 ? sumByContacts(world) : sumByBodies(world);
 
   // Walls are few: their sums run over all their contacts in order.
