@@ -4,10 +4,11 @@
 usage: plot_piles.py DIR [--markdown FILE] [--png FILE]
 
 Reads DIR/N-*/result.json. Writes DIR/piles.md (mean, sample standard deviation and number of seeds for each number of
-spheres and threshold of sleep) and DIR/piles.png: repose angle, of the middle of the slope and of the triangle of a
-pile's height and area, porosity and coordination over the number of spheres, and the angle over the shape factors
-(Markauskas et al. 2010, figs 12, 13, 15). Lines and marks of the paper are numbers its text gives: ellipse 22.7 +- 1.8
-deg, porosity .13 +- 4 %, coordination 3.90 +- 2.5 %; N = 3: 29.1 deg, porosity .25; N = 17: 23.3 deg, porosity .14.
+spheres and threshold of sleep) and DIR/piles.png: repose angle (of the middle of the slope, of the middle of the base,
+of the triangle of a pile's height and area), porosity and coordination over the number of spheres, and the angle over
+the shape factors (Markauskas et al. 2010, figs 12, 13, 15). Lines and marks of the paper are numbers its text gives:
+ellipse 22.7 +- 1.8 deg, porosity .13 +- 4 %, coordination 3.90 +- 2.5 %; N = 3: 29.1 deg, porosity .25; N = 17: 23.3
+deg, porosity .14.
 Exit codes: 0 done; 2 nothing to read; 3 matplotlib is missing.
 """
 
@@ -21,9 +22,9 @@ import statistics
 
 from run_folder import EXIT_INPUT, need_pyplot, stop
 
-QUANTITIES = ["repose_angle_deg", "triangle_angle_deg", "porosity", "porosity_smooth", "coordination_particles", "coordination_spheres",
+QUANTITIES = ["repose_angle_deg", "base_angle_deg", "triangle_angle_deg", "porosity", "porosity_smooth", "coordination_particles", "coordination_spheres",
               "potential_contacts_per_particle", "wall_s"]
-HEADS = ["repose angle, deg", "slope of the triangle, deg", "porosity", "porosity, smooth sections", "coordination, particles", "coordination, contacts",
+HEADS = ["repose angle, deg", "by the base, deg", "slope of the triangle, deg", "porosity", "porosity, smooth sections", "coordination, particles", "coordination, contacts",
          "potential contacts", "wall time, s"]
 PAPER_ELLIPSE = {"repose_angle_deg": (22.7, 1.8), "porosity": (0.13, 0.0052), "coordination_particles": (3.90, 0.0975)}
 PAPER_CLUMPS = {"repose_angle_deg": {3: 29.1, 17: 23.3}, "porosity": {3: 0.25, 17: 0.14}}
@@ -120,6 +121,7 @@ def draw(groups, path):
     for axes, ((count, sleep), cells) in zip(rows, sorted(groups.items())):
         note = f"{count} particles, sleep {sleep}"
         draw_over_spheres(axes[0], cells, [("repose_angle_deg", "middle of the slope", "o-"),
+                                           ("base_angle_deg", "middle of the base", "^:"),
                                            ("triangle_angle_deg", "triangle of height and area", "s--")],
                           f"repose angle, deg ({note})")
         draw_over_spheres(axes[1], cells, [("porosity", "sections of the spheres", "o-"),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "granular/shape/chords.h"
 
@@ -74,15 +75,35 @@ std::vector<SurfacePoint> sampleCone(const Bed& bed, double spacing, int sectors
   return surface;
 }
 
+namespace {
+
+/// Half-open range of the surface's places.
+using Stretch = std::pair<std::size_t, std::size_t>;
+
+/// From the last place above the upper height to the first below the lower one.
+Stretch middleOfHeight(const std::vector<SurfacePoint>& surface, const PileOptions& options, double height) {
+  std::size_t first = 0;
+  for (std::size_t k = 0; k < surface.size(); ++k)
+    if (surface[k].height >= options.high * height) first = k + 1;
+  std::size_t last = first;
+  while (last < surface.size() && surface[last].height >= options.low * height) ++last;
+  return {first, last};
+}
+
+Stretch middleOfBase(const std::vector<SurfacePoint>& surface, const PileOptions& options) {
+  const auto foot = std::find_if(surface.begin(), surface.end(), [](const SurfacePoint& p) { return !(p.height > 0); });
+  const auto base = static_cast<double>(foot - surface.begin());
+  return {static_cast<std::size_t>((1 - options.high) * base), static_cast<std::size_t>((1 - options.low) * base)};
+}
+
+}  // namespace
+
 std::optional<SlopeLine> fitSlope(const std::vector<SurfacePoint>& surface, const PileOptions& options, double grain) {
   SlopeLine line;
   for (const SurfacePoint& p : surface) line.height = std::max(line.height, p.height);
 
-  // From the last place above the upper height to the first below the lower one.
-  std::size_t first = 0, last = 0;
-  for (std::size_t k = 0; k < surface.size(); ++k)
-    if (surface[k].height >= options.high * line.height) first = k + 1;
-  for (last = first; last < surface.size() && surface[last].height >= options.low * line.height; ++last) continue;
+  const auto [first, last] =
+      options.ofBase ? middleOfBase(surface, options) : middleOfHeight(surface, options, line.height);
   const auto n = static_cast<double>(last - first);
   if (n < 3) return std::nullopt;
 

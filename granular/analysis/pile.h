@@ -3,9 +3,11 @@
 //
 // The paper fits a line to the middle of the surface, without the tails near the top and the bottom, and relates the
 // particles' section areas to "the total area of the pile"; where the middle begins and the pile ends it does not say.
-// Here the surface is the height of the highest particle above each place, H its largest value, the middle the stretch
-// from where the surface is last above `high` H to where it is first below `low` H, and the pile's area is that under
-// the surface: whatever lies under a particle, and nothing else.
+// Here the surface is the height of the highest particle above each place, H its largest value, and the pile's area is
+// that under the surface: whatever lies under a particle, and nothing else. The middle is the stretch from where the
+// surface is last above `high` H to where it is first below `low` H; or, of the base from the wall to the first place
+// with nothing above it, the stretch between the parts 1 - `high` and 1 - `low`. The former is the slope of the heap
+// alone, the latter counts the layer of grains at its foot.
 #pragma once
 
 #include <optional>
@@ -16,9 +18,10 @@
 namespace granular {
 
 struct PileOptions {
-  double low = 0.2, high = 0.8;  ///< of the largest height: the middle of the slope
-  double spacing = 0;            ///< of the sampled places, m; 0: a twentieth of the mean equal-volume radius
-  int sectors = 72;              ///< of a cone
+  double low = 0.2, high = 0.8;  ///< of the largest height, or of the base: the middle of the slope
+  bool ofBase = false;
+  double spacing = 0;  ///< of the sampled places, m; 0: a twentieth of the mean equal-volume radius
+  int sectors = 72;    ///< of a cone
 };
 
 /// A place of the surface: distance from the side or the axis, and height there, m.

@@ -59,6 +59,7 @@ void writeHopper(const PileSettings& settings, const std::filesystem::path& fold
 /// What is measured of a pile.
 struct PileResult {
   std::optional<double> angle, angleError;  ///< degrees
+  std::optional<double> baseAngle;          ///< by the middle of the base, degrees
   std::optional<double> from, to, top;      ///< of the fitted line, m
   std::optional<double> height;             ///< m
   /// Of the right triangle with the height of a pile in the plane and its area, degrees.

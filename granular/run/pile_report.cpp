@@ -108,6 +108,9 @@ void measureSlope(const Bed& bed, const std::vector<SurfacePoint>& surface, Pile
   for (const SurfacePoint& p : surface) height = std::max(height, p.height);
   result.height = height;
   for (const Shape* shape : bed.shapes) length += shape->longestExtent() / static_cast<double>(bed.size());
+  PileOptions ofBase;
+  ofBase.ofBase = true;
+  if (const std::optional<SlopeLine> line = fitSlope(surface, ofBase, length)) result.baseAngle = line->angle;
   const std::optional<SlopeLine> line = fitSlope(surface, {}, length);
   if (!line) return;
   result.angle = line->angle;
@@ -149,6 +152,7 @@ PileResult writePileReport(const PackingRun& run, RunEnd end, int threads, const
   RunResult report = writeReport(run, end, threads, out);
   report.headline = {{"repose_angle_deg", result.angle},
                      {"repose_angle_error_deg", result.angleError},
+                     {"base_angle_deg", result.baseAngle},
                      {"triangle_angle_deg", result.triangleAngle},
                      {"pile_height_m", result.height},
                      {"porosity", result.porosity},
@@ -170,9 +174,10 @@ std::string formatPile(const PileResult& r) {
   const auto show = [](const std::optional<double>& v, const char* unit) {
     return v ? fmt::format("{:.4g}{}", *v, unit) : std::string("-");
   };
-  std::string text =
-      fmt::format("pile: repose angle {} (standard error {}), height {}, fitted from {} to {}\n", show(r.angle, " deg"),
-                  show(r.angleError, " deg"), show(r.height, " m"), show(r.from, " m"), show(r.to, " m"));
+  std::string text = fmt::format(
+      "pile: repose angle {} (standard error {}), height {}, fitted from {} to {}; by the middle of its base {}\n",
+      show(r.angle, " deg"), show(r.angleError, " deg"), show(r.height, " m"), show(r.from, " m"), show(r.to, " m"),
+      show(r.baseAngle, " deg"));
   if (r.porosity)
     text += fmt::format(
         "slope of the triangle of its height and area {}; porosity in the plane {}, with smooth sections {}\n",

@@ -34,6 +34,32 @@ TEST(Pile, AngleIsThatOfTheMiddleOfTheSlope) {
   }
 }
 
+TEST(Pile, AngleByTheBaseCountsTheLayerAtTheFoot) {
+  // A heap of 45 degrees, and from a fifth of its height on a layer three times as wide as the heap that thins out.
+  std::vector<SurfacePoint> surface;
+  const double spacing = 1e-3;
+  const auto heightAt = [](double x) { return x < .8 ? 1 - x : .2 * (1 - (x - .8) / 2.4); };
+  for (double x = spacing / 2; x < 3.2; x += spacing) surface.push_back({x, heightAt(x)});
+  surface.push_back({3.2, 0});  // a gap, and a grain that went astray
+  surface.push_back({3.3, .1});
+  PileOptions ofBase;
+  ofBase.ofBase = true;
+  const auto byHeight = fitSlope(surface, {}, .01), byBase = fitSlope(surface, ofBase, .01);
+  ASSERT_TRUE(byHeight && byBase);
+  EXPECT_NEAR(byHeight->angle, 45, 1e-3);  // one place of 600 is of the layer
+  EXPECT_NEAR(byBase->from, .2 * 3.2, spacing);
+  EXPECT_NEAR(byBase->to, .8 * 3.2, spacing);
+  EXPECT_LT(byBase->angle, 20);
+  EXPECT_GT(byBase->angle, std::atan(.2 / 2.4) * 180 / pi);
+
+  // A straight slope has one angle.
+  const auto straight = makeSurface(30, .1, 1e-4);
+  PileOptions inside = ofBase;
+  inside.low = .6;
+  inside.high = .9;
+  EXPECT_NEAR(fitSlope(straight, inside, 5e-3)->angle, 30, 1e-9);
+}
+
 TEST(Pile, StandardErrorOfTheAngleIsThatOfTheScatter) {
   // Noise that is the same over a grain's length: as many draws as grains. 400 heaps: 4 % of the error itself.
   const double angle = 25, height = .1, spacing = 1e-4, grain = 4e-3;

@@ -117,8 +117,8 @@ TEST_F(Pile, OfEllipsoidsAndOfClumpsIsMeasured) {
     std::ifstream file(folder / name / "result.json");
     const auto json = nlohmann::json::parse(file);
     for (const char* key :
-         {"repose_angle_deg", "triangle_angle_deg", "porosity", "porosity_smooth", "coordination_particles",
-          "coordination_spheres", "potential_contacts_per_particle", "wall_s"})
+         {"repose_angle_deg", "triangle_angle_deg", "base_angle_deg", "porosity", "porosity_smooth",
+          "coordination_particles", "coordination_spheres", "potential_contacts_per_particle", "wall_s"})
       EXPECT_TRUE(json.at(key).is_number()) << key;
     // The sections of five spheres leave out 8.5 % of the ellipse's area.
     const double area = clump ? 0.9148 : 1;
