@@ -1,4 +1,5 @@
 // Stages of a step that make forces of contacts: the law of each, and the sum on each body.
+#include "granular/body/lanes.h"
 #include "granular/core/share_out.h"
 #include "granular/world/contact_radius.h"
 #include "granular/world/law_batch.h"
@@ -197,6 +198,22 @@ void keepSums(const Sums& sums, std::size_t i, World& world) {
   if (world.options.sleep.on) world.load[i] = sums.load;
 }
 
+/// The same for all, by one thread: in lanes where there are weights alone.
+void beginAllSums(World& world) {
+  if (world.options.sleep.on || !world.heldForce.empty()) {
+    for (const std::int32_t slot : world.gathered) keepSums(beginSums(world, at(slot)), at(slot), world);
+    return;
+  }
+  Bodies& bodies = world.bodies;
+  const Vec3& g = world.options.gravity;
+  visitBodies(world.gathered, world.options.noBatches, false, [&]<class Place>(const Place& place) {
+    using Real = typename Place::Real;
+    const Real mass = place.read(bodies.mass);
+    place.write(Triple<Real>{mass * g.x(), mass * g.y(), mass * g.z()}, bodies.force);
+    place.write(Triple<Real>{}, bodies.torque);
+  });
+}
+
 /// Body by body, each by one thread.
 void sumByBodies(World& world) {
   const std::size_t pairCount = world.activePairs.size();
@@ -226,7 +243,7 @@ void sumByBodies(World& world) {
 void sumByContacts(World& world) {
   Bodies& bodies = world.bodies;
   const bool loads = world.options.sleep.on;
-  for (const std::int32_t slot : world.gathered) keepSums(beginSums(world, at(slot)), at(slot), world);
+  beginAllSums(world);
   const auto isFrozen = [&](std::int32_t body) { return body < 0 || bodies.state[at(body)] == BodyState::frozen; };
   for (const World::Chunk& chunk : world.chunks) {
     for (const ContactPull& pull : chunk.pulls) {
