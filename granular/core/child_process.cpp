@@ -13,13 +13,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define GRANULAR_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define GRANULAR_SANITIZED 1
-#endif
-#endif
+#include "granular/core/sanitizer.h"
 
 namespace granular {
 namespace {
@@ -31,16 +25,12 @@ void limitChild(std::int64_t memoryBytes, double seconds) {
   };
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, static_cast<std::int64_t>(seconds) + 1);
-#ifdef GRANULAR_SANITIZED
-  // A sanitizer reserves terabytes of address space: memory stays unlimited there.
-  (void)memoryBytes;
-#else
+  if (anySanitizer) return;
   // The child begins with the parent's address space; the budget comes on top.
   std::ifstream statm("/proc/self/statm");
   std::int64_t pages = 0;
   statm >> pages;
   limit(RLIMIT_AS, pages * ::sysconf(_SC_PAGESIZE) + memoryBytes);
-#endif
 }
 
 }  // namespace

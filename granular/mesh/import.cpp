@@ -39,7 +39,9 @@ void unregisterOtherLoaders(Assimp::Importer& importer) {
     loader->GetExtensionList(extensions);
     const bool wanted =
         std::any_of(extensions.begin(), extensions.end(), [&](const std::string& e) { return kept.count(e) > 0; });
-    if (!wanted) importer.UnregisterLoader(loader);
+    if (wanted) continue;
+    importer.UnregisterLoader(loader);
+    delete loader;  // the importer has let go of it
   }
 }
 

@@ -1,4 +1,5 @@
 // The demo from outside: exit codes and messages.
+#include "granular/core/sanitizer.h"
 #include "run/demo_outcome.h"
 #include "run/scene_texts.h"
 
@@ -111,6 +112,7 @@ TEST_F(PackingDemo, DamagedCheckpointNamesTheOneBeforeWhichLeadsToTheSameEnd) {
 }
 
 TEST_F(PackingDemo, FilesThatMayNotGrowEndTheRunWithTheReasonAndLeaveTheLastCheckpoint) {
+  if (threadSanitizer) GTEST_SKIP() << "the sanitizer of threads needs files to grow";
   const std::string scene = write(narrowBox + commonText + spheres + pour).file.string();
   const fs::path out = folder / "out";
   ASSERT_EQ(run(scene + " --out " + out.string() + " --threads 1 --set time.max_time=0.01").code, 3);

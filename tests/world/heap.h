@@ -61,7 +61,7 @@ inline std::vector<double> stateOf(const World& world) {
 }
 
 inline bool isSameBits(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), 8 * a.size()) == 0;
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), 8 * a.size()) == 0);
 }
 
 }  // namespace granular::testing
