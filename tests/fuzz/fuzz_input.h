@@ -22,7 +22,7 @@ class Input {
   T take() {
     T value{};
     const std::size_t count = std::min(sizeof(T), bytes.size());
-    std::memcpy(&value, bytes.data(), count);
+    if (count > 0) std::memcpy(&value, bytes.data(), count);
     bytes.remove_prefix(count);
     return value;
   }
