@@ -77,8 +77,8 @@ class Inserter {
 
   /// Places what is due beside the particles that are there and returns it, in order of number. time: simulated, s;
   /// consolidated: what was placed before has come to rest. Where the region has a ceiling and the next particle finds
-  /// no place below it on a bed at rest, several calls in a row, the region is full and the pouring done; so it is where
-  /// the bed has grown into the place particles drop from.
+  /// no place below it on a bed at rest, several calls in a row, the region is full and the pouring done; so it is
+  /// where the bed has grown into the place particles drop from.
   std::vector<NewParticle> insert(double time, bool consolidated, std::span<const PlacedShape> present);
 
   /// True once every particle is in, or the region is full.
