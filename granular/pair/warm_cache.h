@@ -32,8 +32,8 @@ struct WarmCache {
   /// How far the two surfaces may move relative to each other (sum of both bodies' motion, m) before the pair needs
   /// another look (apart) or another full search (touching).
   double budget = 0;
-  KeptProof
-      proof;  ///< smooth; two ellipsoids: floor 0, and in axis how the normal turned from the last look to this one
+  /// smooth; two ellipsoids: floor 0, and in axis how the normal turned from the last look to this one.
+  KeptProof proof;
 };
 
 }  // namespace granular

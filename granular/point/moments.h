@@ -40,8 +40,9 @@ inline AreaMoments integrate(const Polygon& polygon, const Linear& depth, const 
   AreaMoments m;
   if (polygon.count < 3) return m;
 
-  // A fan of triangles about the first corner p: integrals about p, which small polygons far away need. Areas and depths
-  // below 0 are round-off; without them all sums are of one sign, and a centroid stays inside whatever the sliver.
+  // A fan of triangles about the first corner p: integrals about p, which small polygons far away need. Areas and
+  // depths below 0 are round-off; without them all sums are of one sign, and a centroid stays inside whatever the
+  // sliver.
   const Vec2 p = polygon[0];
   const double atCorner = std::max(depth.at(p), 0.0);
   Vec2 a = polygon[1] - p;

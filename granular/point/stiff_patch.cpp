@@ -21,8 +21,8 @@ Pressure pressStiffPatch(const AreaMoments& m, int sharpness, double overlap) {
   const DepthPowers& I = m.powers;
   const double p = sharpness;
   Pressure out;
-  // Faces that touch within round-off have depths of nothing beside the overlap, or of many times that, whose powers are
-  // lost: they press with nothing. Between these bounds the quotients keep all their digits.
+  // Faces that touch within round-off have depths of nothing beside the overlap, or of many times that, whose powers
+  // are lost: they press with nothing. Between these bounds the quotients keep all their digits.
   constexpr double least = std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
   const double u = I.above / I.at;  // over the overlap
   const double weight = (p + 1) * I.at - p * u * I.below;

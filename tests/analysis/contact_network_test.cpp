@@ -104,7 +104,9 @@ TEST(PairDistribution, OfACubicLatticeCountsItsShells) {
   OwnedBed owned = makeCubicSpheres({6, 6, 6});
   makePeriodic(owned.bed);
   const Table table = measurePairDistribution(owned.bed, 6, 1, 2.9, 0.05).table;
-  const auto neighboursWithin = [&](double r) { return table.rows[static_cast<std::size_t>(std::lround(r / 0.05)) - 1][3]; };
+  const auto neighboursWithin = [&](double r) {
+    return table.rows[static_cast<std::size_t>(std::lround(r / 0.05)) - 1][3];
+  };
   EXPECT_NEAR(neighboursWithin(0.95), 0, 1e-12);
   EXPECT_NEAR(neighboursWithin(1.05), 6, 1e-9);
   EXPECT_NEAR(neighboursWithin(1.45), 6 + 12, 1e-9);
