@@ -19,9 +19,6 @@ namespace {
 
 std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
-/// How many pairs ahead of the one looked at.
-constexpr std::size_t ahead = 8;
-
 /// One body of each pair of a register.
 struct Party {
   PlacedAxes<Wide> axes;
@@ -232,16 +229,12 @@ void makeEllipsoidContacts(double dt, std::size_t c, World& world) {
   World::Chunk& chunk = world.chunks[c];
   startChunk(chunk);
   EllipsoidLooks looks(dt, world, chunk);
-  std::array<std::size_t, World::chunkSize> due;
-  const std::size_t count = listDue(world, chunkRange(c, world.activePairs.size()), due.data());
-  for (std::size_t k = 0; k < count; ++k) {
-    if (k + ahead < count) {
-      const Pair& next = world.pairs.pairs[at(world.activePairs[due[k + ahead]])];
-      __builtin_prefetch(&world.pairs.memory.cache[at(next.slot)]);
-      __builtin_prefetch(&world.pairs.memory.history[at(next.slot)]);
-    }
-    looks.take(due[k]);
-  }
+  const PairMemory& memory = world.pairs.memory;
+  const auto fetch = [&](const Pair& pair) {
+    __builtin_prefetch(&memory.cache[at(pair.slot)]);
+    __builtin_prefetch(&memory.history[at(pair.slot)]);
+  };
+  takeDue(world, c, fetch, [&](std::size_t position) { looks.take(position); });
   looks.finish();
 }
 

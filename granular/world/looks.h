@@ -42,6 +42,17 @@ inline std::size_t listDue(World& world, Range range, std::size_t* list) {
   }
   return count;
 }
+/// Calls take(position) for the active pairs of chunk c that need a look, and fetch(pair) for each some time before.
+template <class Fetch, class Take>
+void takeDue(World& world, std::size_t c, Fetch&& fetch, Take&& take) {
+  constexpr std::size_t ahead = 8;
+  std::array<std::size_t, World::chunkSize> due;
+  const std::size_t count = listDue(world, chunkRange(c, world.activePairs.size()), due.data());
+  for (std::size_t k = 0; k < count; ++k) {
+    if (k + ahead < count) fetch(world.pairs.pairs[static_cast<std::size_t>(world.activePairs[due[k + ahead]])]);
+    take(due[k]);
+  }
+}
 /// Begins a look: false where the pair needs none.
 bool beginLook(World& world, std::int32_t index, Look& look);
 /// What find() answers, with its pair noted where no bound could certify the answer.

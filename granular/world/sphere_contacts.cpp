@@ -105,9 +105,8 @@ void makeSphereContacts(double dt, std::size_t c, World& world) {
   World::Chunk& chunk = world.chunks[c];
   startChunk(chunk);
   SphereLooks looks(dt, world, chunk);
-  std::array<std::size_t, World::chunkSize> due;
-  const std::size_t count = listDue(world, chunkRange(c, world.activePairs.size()), due.data());
-  for (std::size_t k = 0; k < count; ++k) looks.take(due[k]);
+  takeDue(
+      world, c, [](const Pair&) {}, [&](std::size_t position) { looks.take(position); });
   looks.finish();
 }
 
