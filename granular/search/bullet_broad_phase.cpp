@@ -46,6 +46,9 @@ class BulletBroadPhase final : public BroadPhase {
   }
 
   void clear() override {
+    // The tree asks the cache to forget each proxy's pairs, for which it would walk through all of them.
+    btNullPairCache nothing;
+    tree->m_paircache = &nothing;
     for (btBroadphaseProxy* proxy : proxies) tree->destroyProxy(proxy, nullptr);
     boxes.clear();
     inTree.clear();

@@ -34,10 +34,15 @@ inline bool isQuiet(const World& world, const Pair& pair) {
 /// Lists which of these active pairs need a look, without a branch, which would be foretold badly; returns
 /// how many. Those that need none have no contact. list: room for all of them.
 inline std::size_t listDue(World& world, Range range, std::size_t* list) {
+  const auto pairAt = [&](std::size_t p) -> const Pair& {
+    return world.pairs.pairs[static_cast<std::size_t>(world.activePairs[p])];
+  };
   std::size_t count = 0;
   for (std::size_t p = range.first; p < range.last; ++p) {
+    // A large bed's list is not near: the next chunk's part of it comes while this chunk is worked on.
+    if (p + World::chunkSize < world.activePairs.size()) __builtin_prefetch(&pairAt(p + World::chunkSize));
     list[count] = p;
-    count += !isQuiet(world, world.pairs.pairs[static_cast<std::size_t>(world.activePairs[p])]);
+    count += !isQuiet(world, pairAt(p));
     world.contactsOfPair[p] = {};
   }
   return count;

@@ -105,8 +105,14 @@ void makeSphereContacts(double dt, std::size_t c, World& world) {
   World::Chunk& chunk = world.chunks[c];
   startChunk(chunk);
   SphereLooks looks(dt, world, chunk);
-  takeDue(
-      world, c, [](const Pair&) {}, [&](std::size_t position) { looks.take(position); });
+  const auto fetch = [&](const Pair& pair) {
+    __builtin_prefetch(&world.pairs.memory.history[at(pair.slot)]);
+    __builtin_prefetch(&world.bodies.x[at(pair.b)]);
+    const MotionRow& row = world.motionRows[at(pair.b)];
+    __builtin_prefetch(row.atStep());
+    __builtin_prefetch(row.atHalfStep());
+  };
+  takeDue(world, c, fetch, [&](std::size_t position) { looks.take(position); });
   looks.finish();
 }
 
