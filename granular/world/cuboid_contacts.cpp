@@ -100,9 +100,10 @@ class CuboidLooks {
   }
 
   template <class AnyLook>
-  void begin(Group<AnyLook>& group, const AnyLook& look) {
-    group.look = look;
+  void begin(Group<AnyLook>& group) {
+    lookAt(group);
     if (!places) return;
+    const AnyLook& look = group.look;
     if (overlaps.cells.isFull(mostBoxCells)) overlaps.finish();
     // Lanes beyond the last pair are left out, so that no cell is integrated twice.
     Mask<Wide> chosen = both(both(look.holds, look.proven), look.depth > 0);
@@ -110,13 +111,13 @@ class CuboidLooks {
     beginOverlap(look, chosen, overlaps, group.sums);
   }
 
-  static FaceLook<Wide> lookAt(Group<FaceLook<Wide>>& group) { return lookAtFace(group.load()); }
-  static EdgeLook<Wide> lookAt(Group<EdgeLook<Wide>>& group) { return lookAtEdges(group.load()); }
+  static void lookAt(Group<FaceLook<Wide>>& group) { group.lookWith(lookAtFace<Wide>); }
+  static void lookAt(Group<EdgeLook<Wide>>& group) { group.lookWith(lookAtEdges<Wide>); }
 
   /// Takes the looks of the open group; ends all when there is no room for another.
   template <class AnyLook>
   void close(Groups<AnyLook>& groups) {
-    begin(groups.open(), lookAt(groups.open()));
+    begin(groups.open());
     if (++groups.closed == most) endAll(groups);
   }
 

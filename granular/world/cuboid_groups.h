@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <new>
 
 #include "granular/point/cuboid_overlap.h"
 #include "granular/point/witness.h"
@@ -23,7 +24,11 @@ struct Group {
   static constexpr std::size_t fields = sizeof(CuboidPair<Wide>) / sizeof(Wide);
   std::size_t count = 0;
   std::array<Waiting, wideSize> waiting;
-  alignas(64) double lanes[fields][wideSize];
+  union {  // side by side, and as add() fills them in
+    CuboidPair<Wide> pairs;
+    double lanes[fields][wideSize];
+  };
+  static_assert(sizeof pairs == sizeof lanes);
   Look look;
   OverlapLanes sums;
 
@@ -36,13 +41,11 @@ struct Group {
     lanes[field][count] = inner;
     waiting[count++] = one;
   }
-  /// The pairs side by side; lanes beyond the last repeat it.
-  CuboidPair<Wide> load() {
+  /// Looks at the pairs with lookAtFace or lookAtEdges; lanes beyond the last repeat it.
+  template <class LookAt>
+  void lookWith(LookAt&& lookAt) {
     for (auto& lane : lanes) std::fill(lane + count, lane + wideSize, lane[count - 1]);
-    CuboidPair<Wide> pair;
-    static_assert(sizeof pair == sizeof lanes);
-    std::memcpy(&pair, lanes, sizeof pair);
-    return pair;
+    ::new (&look) Look(lookAt(pairs));  // made where it stays: kilobytes
   }
 };
 

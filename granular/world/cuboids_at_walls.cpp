@@ -47,7 +47,7 @@ class CuboidsAtWalls {
   /// Ends the looks begun. After that contacts whose `a` is -1 are none.
   void finish() {
     if (group.count == 0) return;
-    group.look = lookAtFace(group.load());
+    group.lookWith(lookAtFace<Wide>);
     const FaceLook<Wide>& look = group.look;
     Mask<Wide> chosen = both(both(look.holds, look.proven), look.depth > 0);
     for (std::size_t k = group.count; k < wideSize; ++k) chosen[k] = 0;  // so that no cell is integrated twice
