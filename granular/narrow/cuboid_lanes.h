@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "granular/core/wide.h"
+#include "granular/narrow/lane_look.h"
 #include "granular/narrow/polyhedron_features.h"
 
 namespace granular {
@@ -23,26 +24,16 @@ struct CuboidPair {
   Real tie, inner;                    ///< as in cuboid_pair.cpp, m
 };
 
-/// What both kinds of look find. Contact axes: z is the normal out of the seat, x and y lie in the contact plane.
-template <class Real>
-struct CuboidLook {
-  Mask<Real> holds;      ///< the feature is a minimum of the depth, without ties
-  Mask<Real> proven;     ///< and the global one
-  Real depth;            ///< m; not above 0: apart by as much
-  Triple<Real> x, y, z;  ///< contact axes, world
-  Triple<Real> middle;   ///< from the seat's centre to the middle between the deepest points, world, m
-};
-
 /// A face of the seat under a corner of the guest. Places in the contact plane are relative to the corner.
 template <class Real>
-struct FaceLook : CuboidLook<Real> {
+struct FaceLook : LaneLook<Real> {
   Real lowX, highX, lowY, highY;            ///< the seat's face, m
   std::array<Triple<Real>, 3> axes, edges;  ///< the guest's, contact axes: upwards (z >= 0) from the corner; unit, m
 };
 
 /// An edge of the seat (along x) across one of the guest. Places in the contact plane are relative to the crossing.
 template <class Real>
-struct EdgeLook : CuboidLook<Real> {
+struct EdgeLook : LaneLook<Real> {
   Real lowX, highX;                  ///< the ends of the seat's edge, m
   Real along, across;                ///< unit direction of the guest's edge, x and y
   Real low, high;                    ///< its ends along it, m
@@ -132,9 +123,6 @@ FaceLook<Real> lookAtFace(const CuboidPair<Real>& p) {
   look.middle = corner.x * look.x + corner.y * look.y + height * look.z;
   return look;
 }
-
-/// Squared sine between two edges below which the axis across them loses too many digits for lanes.
-inline constexpr double leastLaneSine2 = 1e-8;
 
 template <class Real>
 EdgeLook<Real> lookAtEdges(const CuboidPair<Real>& p) {

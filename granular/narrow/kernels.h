@@ -5,6 +5,7 @@
 #include "granular/narrow/bullet_gjk_epa.h"
 #include "granular/narrow/descent.h"
 #include "granular/narrow/narrow.h"
+#include "granular/shape/polyhedron.h"
 
 namespace granular {
 
@@ -55,6 +56,11 @@ inline bool reportTouch(const PairView& pair, WarmCache::Kind kind, const LocalM
   touch.feature = {};
   return true;
 }
+
+/// What touches by the last feature of two polyhedra.
+TouchingFeature namePolyhedronFeature(const WarmCache& cache);
+/// Names a vertex of either polyhedron's feature in its place, for a pair that touched and is apart now.
+void nameVertices(const PolyhedronTables& a, const PolyhedronTables& b, WarmCache& cache);
 
 /// What touches along the last axis of two cuboids, as the tables of cuboids name it, for a normal in either's axes out
 /// of A and out of B.

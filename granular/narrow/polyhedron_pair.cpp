@@ -170,8 +170,7 @@ bool report(const PairView& view, const NamedFeature& f, WarmCache& cache, Narro
   cache.featureA = f.featureA;
   cache.featureB = f.featureB;
   reportTouch(view, f.kind, f.check.minimum, cache, counts, touch);
-  constexpr std::array kinds = {TouchingFeature::faceOfA, TouchingFeature::faceOfB, TouchingFeature::edges};
-  touch.feature = {kinds[static_cast<std::size_t>(f.kind - WarmCache::faceOfA)], f.featureA, f.featureB};
+  touch.feature = namePolyhedronFeature(cache);
   return true;
 }
 
@@ -214,6 +213,25 @@ bool searchPolyhedra(const PairView& view, const Pair& pair, Difference& c, cons
 
 }  // namespace
 
+TouchingFeature namePolyhedronFeature(const WarmCache& cache) {
+  switch (cache.kind) {
+    case WarmCache::faceOfA:
+      return {TouchingFeature::faceOfA, cache.featureA, cache.featureB};
+    case WarmCache::faceOfB:
+      return {TouchingFeature::faceOfB, cache.featureA, cache.featureB};
+    case WarmCache::edgePair:
+      return {TouchingFeature::edges, cache.featureA, cache.featureB};
+    default:
+      return {};
+  }
+}
+
+void nameVertices(const PolyhedronTables& a, const PolyhedronTables& b, WarmCache& cache) {
+  const auto kind = static_cast<WarmCache::Kind>(cache.kind);
+  cache.featureA = nameVertex(a, kind, WarmCache::faceOfA, cache.featureA);
+  cache.featureB = nameVertex(b, kind, WarmCache::faceOfB, cache.featureB);
+}
+
 bool touchPolyhedra(const PairView& view, WarmCache& cache, NarrowCounts& counts, Touch& touch) {
   // Warm and apart: does the last direction still separate?
   if (cache.kind == WarmCache::apart && !view.searchAlways) {
@@ -234,8 +252,9 @@ bool touchPolyhedra(const PairView& view, WarmCache& cache, NarrowCounts& counts
     const LocalMinimum& m = last.check.minimum;
     if (last.check.holds && !(m.depth > 0)) {
       ++counts.warm;
-      cache.featureA = nameVertex(pair.a, last.kind, WarmCache::faceOfA, last.featureA);
-      cache.featureB = nameVertex(pair.b, last.kind, WarmCache::faceOfB, last.featureB);
+      cache.featureA = last.featureA;
+      cache.featureB = last.featureB;
+      nameVertices(pair.a, pair.b, cache);
       return reportApart(m.normal, -m.depth, cache);
     }
     if (last.check.holds && isGlobal(m.normal, m.depth, last.check.margin, pair.bInA.x, pair.inner)) {

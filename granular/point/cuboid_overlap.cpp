@@ -7,15 +7,6 @@ namespace {
 
 Mask<Wide> isWithin(const Wide& x, const Wide& low, const Wide& high) { return both(x >= low, x <= high); }
 
-void store(const Fan& fan, OverlapLanes& sums) {
-  const auto found = fan.sums();
-  for (std::size_t n = 0; n < found.size(); ++n) storeWide(found[n], sums.moment[n]);
-}
-void storePowers(const Wide& area, const Wide& x, const Wide& y, int exponent, OverlapLanes& sums) {
-  const auto found = powersOfTips(area, x, y, exponent);
-  for (std::size_t n = 0; n < found.size(); ++n) storeWide(found[n], sums.power[n]);
-}
-
 /// Of the guest's face across its edge j at the corner: how its height over the contact plane rises.
 Place riseOf(const FaceLook<Wide>& look, std::size_t j) {
   const Triple<Wide>& axis = look.axes[j];
@@ -50,57 +41,10 @@ Wide findMiddle(const EdgeLook<Wide>& look, const Place& c) {
   return 0.5 * (seat + guest);
 }
 
-/// Where a stiff patch presses, and how deep it is (stiff_patch.cpp). The powers are those of the depth over the
-/// overlap.
-struct StiffPatch {
-  Mask<Wide> good;
-  Place centre;
-  Wide depth, squaredDepth;
-};
-StiffPatch pressStiffPatch(const OverlapLanes& sums, const Wide& overlap, double p) {
-  using Lanes = OverlapLanes;
-  const Wide at = sums[Lanes::at], one = 1 + Wide{};
-  const Wide u = sums[Lanes::above] / choose(at > 0, at, one);
-  const Wide weight = (p + 1) * at - p * u * sums[Lanes::below];
-  StiffPatch out;
-  out.good = both(at > 0, weight > 0);
-  const Wide perWeight = 1 / choose(out.good, weight, one);
-  out.centre = {perWeight * ((p + 1) * sums[Lanes::atX] - p * u * sums[Lanes::belowX]),
-                perWeight * ((p + 1) * sums[Lanes::atY] - p * u * sums[Lanes::belowY])};
-  out.depth = smaller(Wide(overlap * u * weight / choose(out.good, at, one)), overlap);
-  out.squaredDepth = overlap * u * overlap * u;
-  return out;
-}
-
 template <class Look>
 PatchLanes endAnyOverlap(const Look& look, const OverlapLanes& sums, const RuleOptions& rule) {
-  using Lanes = OverlapLanes;
-  PatchLanes out;
-  out.area = sums[Lanes::area];
-  const Wide volume = sums[Lanes::volume], one = 1 + Wide{};
-  out.good = both(out.area > 0, volume > 0);
-  const Wide perArea = 1 / choose(out.good, out.area, one), perVolume = 1 / choose(out.good, volume, one);
-  const Place centre{perArea * sums[Lanes::x], perArea * sums[Lanes::y]};
-  Place press{perVolume * sums[Lanes::volumeX], perVolume * sums[Lanes::volumeY]};
-  out.xx = perArea * sums[Lanes::xx] - centre.x * centre.x;
-  out.yy = perArea * sums[Lanes::yy] - centre.y * centre.y;
-  out.xy = perArea * sums[Lanes::xy] - centre.x * centre.y;
-  const Wide height = findMiddle(look, press);
-
-  out.depth = look.depth;
-  out.squaredDepth = look.depth * look.depth;
-  if (rule.rule == PointRule::stiffPatch) {
-    const StiffPatch stiff = pressStiffPatch(sums, look.depth, rule.sharpness);
-    out.good = both(out.good, stiff.good);
-    press = stiff.centre;
-    out.depth = stiff.depth;
-    out.squaredDepth = stiff.squaredDepth;
-  }
-  const auto lift = [&](const Place& p) { return look.middle + p.x * look.x + p.y * look.y + height * look.z; };
-  out.point = lift(press);
-  out.centre = rule.rule == PointRule::pressureCentroid ? out.point : lift(centre);
-  if (rule.rule == PointRule::pressureCentroid) out.area = out.xx = out.yy = out.xy = Wide{};
-  return out;
+  const PressLanes press = findPress(sums);
+  return placePress(look, press, findMiddle(look, press.press), sums, rule);
 }
 
 }  // namespace
@@ -189,11 +133,7 @@ void beginOverlap(const EdgeLook<Wide>& look, const Mask<Wide>& chosen, Overlaps
     fan.add(onSeat, onGuest, look.depth, Wide{}, Wide{}, inside);
     beyond[q] = seen & ~inside;
   }
-  store(fan, sums);
-  if (overlaps.triangles.isWanted()) {
-    storePowers(sums[OverlapLanes::area], sums[OverlapLanes::x], sums[OverlapLanes::y], overlaps.triangles.exponent(),
-                sums);
-  }
+  storeTips(fan, overlaps.triangles.exponent(), sums);
   for (std::size_t q = 0; q < 4; ++q) {
     if (!any(beyond[q])) continue;
     const Triple<Wide>&down = look.down[q / 2], &up = look.up[q % 2];

@@ -5,19 +5,14 @@
 
 #include "granular/narrow/cuboid_lanes.h"
 #include "granular/point/box_cells.h"
-#include "granular/point/contact_point.h"
+#include "granular/point/patch_lanes.h"
 
 namespace granular {
-
-/// True for the rules that can be placed here.
-inline bool placesInLanes(PointRule rule) {
-  return rule == PointRule::patch || rule == PointRule::pressureCentroid || rule == PointRule::stiffPatch;
-}
 
 /// Overlaps on their way: their integrals are complete after finish(), until which what they add up in must stay.
 struct OverlapsInLanes {
   explicit OverlapsInLanes(const RuleOptions& rule)
-      : triangles(rule.rule == PointRule::stiffPatch ? rule.sharpness : 0) {}
+      : triangles(powerInLanes(rule)) {}
   void finish() {
     cells.integrate(triangles);
     triangles.integrate();
@@ -34,13 +29,7 @@ void beginOverlap(const EdgeLook<Wide>& look, const Mask<Wide>& chosen, Overlaps
 /// The most calls of BoxCells::add that one of them makes.
 inline constexpr std::size_t mostBoxCells = 4;
 
-/// A ContactPatch per lane. Points from the seat's centre, world axes; second moments along the contact's x and y.
-struct PatchLanes {
-  Mask<Wide> good;  ///< false: no area, or integrals that have lost their digits
-  Triple<Wide> point, centre;
-  Wide area, xx, yy, xy;
-  Wide depth, squaredDepth;
-};
+/// The contacts, once they are complete.
 PatchLanes endOverlap(const FaceLook<Wide>& look, const OverlapLanes& sums, const RuleOptions& rule);
 PatchLanes endOverlap(const EdgeLook<Wide>& look, const OverlapLanes& sums, const RuleOptions& rule);
 

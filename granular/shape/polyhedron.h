@@ -24,9 +24,11 @@ struct PolyhedronTables {
     Vec3 normal;
     double offset;
   };
-  /// End vertices (a < b) and the two faces that meet there.
+  /// End vertices (a < b) and the two faces that meet there; the corners of the left face before a and after b, and of
+  /// the right face before b and after a, counter-clockwise from outside.
   struct Edge {
     std::int32_t a, b, faceLeft, faceRight;
+    std::array<std::int32_t, 4> wings{-1, -1, -1, -1};
   };
   /// An edge as one of its ends sees it: the vertex at the other end, and the face between this edge and the next
   /// spoke around the vertex, counter-clockwise from outside (the face left of the way out).

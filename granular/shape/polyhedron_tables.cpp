@@ -26,6 +26,12 @@ struct PolyhedronTables::Parts {
 
   std::int32_t faceCount() const { return static_cast<std::int32_t>(cornerBegin.size()) - 1; }
   std::span<const Corner> cornersOf(std::int32_t face) const { return slice<Corner>(corners, cornerBegin, face); }
+  /// So many corners of the face after this one (an index in all corners), at least -1.
+  std::int32_t vertexBeside(std::int32_t face, std::int32_t corner, std::int32_t after) const {
+    const auto around = cornersOf(face);
+    const std::size_t here = at(corner - cornerBegin[at(face)]);
+    return around[(here + around.size() + at(after + 1) - 1) % around.size()].vertex;
+  }
   void placePlanes();
   void linkEdges();
   void layOutSpokes();
@@ -71,7 +77,12 @@ void PolyhedronTables::Parts::linkEdges() {
     ofLeft.edge = ofRight.edge = edge;
     ofLeft.beyond = right.face;
     ofRight.beyond = left.face;
-    edges.push_back({left.a, left.b, left.face, right.face});
+    edges.push_back({left.a,
+                     left.b,
+                     left.face,
+                     right.face,
+                     {vertexBeside(left.face, left.corner, -1), vertexBeside(left.face, left.corner, 2),
+                      vertexBeside(right.face, right.corner, -1), vertexBeside(right.face, right.corner, 2)}});
   }
 }
 

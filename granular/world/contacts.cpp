@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "granular/narrow/bullet_manifold.h"
-#include "granular/point/cuboid_overlap.h"
+#include "granular/point/patch_lanes.h"
 #include "granular/point/witness.h"
 #include "granular/shape/polyhedron.h"
 #include "granular/world/clump_contacts.h"
@@ -153,16 +153,23 @@ bool areAll(ShapeKind kind, const World& world, Range range) {
   return areAll(world, range, [kind](const Shape& shape) { return shape.kind() == kind; });
 }
 
-/// True if these active wall pairs are of cuboids and flat walls at rest, whose contacts can be made in batches.
-bool areCuboidsAtPlanes(const World& world, Range range) {
-  if (world.options.noBatches || !world.options.skips.feature) return false;
-  if (!placesInLanes(ruleAtWalls(world.options.rule).rule)) return false;
+/// What finds the contacts of these active pairs in batches, or null: flat-faced bodies of one kind.
+auto chooseLooks(const World& world, Range range) -> decltype(World::Chunk::find) {
+  const WorldOptions& options = world.options;
+  if (options.noBatches || !options.skips.feature || options.rule.rule == PointRule::manifold) return nullptr;
+  if (areAll(ShapeKind::cuboid, world, range)) return findCuboidContacts;
+  return areAll(ShapeKind::polyhedron, world, range) ? findPolyhedronContacts : nullptr;
+}
+/// The same for active wall pairs: cuboids at flat walls at rest.
+auto chooseLooksAtWalls(const World& world, Range range) -> decltype(World::Chunk::find) {
+  if (world.options.noBatches || !world.options.skips.feature) return nullptr;
+  if (!placesInLanes(ruleAtWalls(world.options.rule).rule)) return nullptr;
   for (std::size_t p = range.first; p < range.last; ++p) {
     const WallPair& pair = world.pairs.wallPairs[at(world.activeWallPairs[p])];
     if (world.bodies.shape[at(pair.body)]->kind() != ShapeKind::cuboid || !world.walls[at(pair.wall)]->asPlane())
-      return false;
+      return nullptr;
   }
-  return true;
+  return findCuboidsAtWalls;
 }
 
 /// What makes the contacts of these active pairs in batches, or null: balls alone or ellipsoids alone, a law that works
@@ -220,6 +227,25 @@ bool takeLook(World& world, const Look& look, World::Chunk& chunk, Touch& touch)
   });
 }
 
+void fetchShapes(const World& world, const Pair& pair) {
+  const Bodies& bodies = world.bodies;
+  constexpr std::size_t line = 64;
+  for (const std::int32_t body : {pair.a, pair.b}) {
+    const auto* shape = reinterpret_cast<const std::byte*>(bodies.shape[at(body)]);
+    for (std::size_t k = 0; k < sizeof(Polyhedron); k += line) __builtin_prefetch(shape + k);
+  }
+}
+void fetchPair(const World& world, const Pair& pair) {
+  const Bodies& bodies = world.bodies;
+  if (isQuiet(world, pair)) return;
+  const std::size_t a = at(pair.a), b = at(pair.b);
+  __builtin_prefetch(&world.pairs.memory.cache[at(pair.slot)]);
+  for (const std::size_t i : {a, b}) {
+    __builtin_prefetch(&bodies.frame[i]);
+    if (const PolyhedronTables* tables = tablesOf(*bodies.shape[i])) tables->fetchAhead();
+  }
+}
+
 void waitForGap(World& world, const Look& look) {
   Pair& pair = world.pairs.pairs[at(look.index)];
   PairMemory& memory = world.pairs.memory;
@@ -274,27 +300,6 @@ void lookAtPair(World& world, std::int32_t index, World::Chunk& chunk) {
   Touch touch;
   const bool touching = takeLook(world, look, chunk, touch);
   endLook(world, look, touching, touch, chunk);
-}
-
-/// Starts to bring into the cache what a look at a pair reads, in two steps: where it lies, and what lies there. Pairs
-/// that will not be looked at bring nothing.
-void fetchWhere(const World& world, const Pair& pair) {
-  const Bodies& bodies = world.bodies;
-  constexpr std::size_t line = 64;
-  for (const std::int32_t body : {pair.a, pair.b}) {
-    const auto* shape = reinterpret_cast<const std::byte*>(bodies.shape[at(body)]);
-    for (std::size_t k = 0; k < sizeof(Polyhedron); k += line) __builtin_prefetch(shape + k);
-  }
-}
-void fetchWhat(const World& world, const Pair& pair) {
-  const Bodies& bodies = world.bodies;
-  if (isQuiet(world, pair)) return;
-  const std::size_t a = at(pair.a), b = at(pair.b);
-  __builtin_prefetch(&world.pairs.memory.cache[at(pair.slot)]);
-  for (const std::size_t i : {a, b}) {
-    __builtin_prefetch(&bodies.frame[i]);
-    if (const PolyhedronTables* tables = tablesOf(*bodies.shape[i])) tables->fetchAhead();
-  }
 }
 
 /// Looks at one body near a wall; appends its contacts in the order of their spots.
@@ -361,11 +366,9 @@ void layOutContacts(World& world) {
     const bool atWalls = c >= world.wallChunkBegin;
     const Range range = chunkRange(c, world.activePairs.size());
     world.chunks[c].make = atWalls ? nullptr : chooseBatches(world, range);
-    const bool inBatches = !atWalls && !world.options.noBatches;
-    world.chunks[c].ofCuboids =
-        atWalls ? areCuboidsAtPlanes(world, chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()))
-                : inBatches && world.options.rule.rule != PointRule::manifold && world.options.skips.feature &&
-                      areAll(ShapeKind::cuboid, world, range);
+    world.chunks[c].find =
+        atWalls ? chooseLooksAtWalls(world, chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()))
+                : chooseLooks(world, range);
   }
   world.contactsOfPair.resize(world.activePairs.size() + world.activeWallPairs.size());
   world.layoutStale = false;
@@ -379,14 +382,14 @@ void findContacts(std::size_t c, World& world) {
   const Range range =
       atWalls ? chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()) : chunkRange(c, pairCount);
   const std::size_t rangeOffset = atWalls ? pairCount : 0;
-  if (chunk.ofCuboids) return atWalls ? findCuboidsAtWalls(c, world) : findCuboidContacts(c, world);
+  if (chunk.find) return chunk.find(c, world);
   for (std::size_t p = range.first; p < range.last; ++p) {
     const auto first = static_cast<std::int32_t>(chunk.contacts.size());
     if (atWalls) {
       lookAtWallPair(world, world.activeWallPairs[p], chunk);
     } else {
-      if (p + farAhead < range.last) fetchWhere(world, world.pairs.pairs[at(world.activePairs[p + farAhead])]);
-      if (p + nextAhead < range.last) fetchWhat(world, world.pairs.pairs[at(world.activePairs[p + nextAhead])]);
+      if (p + farAhead < range.last) fetchShapes(world, world.pairs.pairs[at(world.activePairs[p + farAhead])]);
+      if (p + nextAhead < range.last) fetchPair(world, world.pairs.pairs[at(world.activePairs[p + nextAhead])]);
       lookAtPair(world, world.activePairs[p], chunk);
     }
     world.contactsOfPair[rangeOffset + p] = {first, static_cast<std::int32_t>(chunk.contacts.size()) - first};

@@ -58,6 +58,10 @@ void takeDue(World& world, std::size_t c, Fetch&& fetch, Take&& take) {
     take(due[k]);
   }
 }
+/// Starts to bring into the cache what a look at a pair reads, in two steps: where it lies, and what lies there. Pairs
+/// that will not be looked at bring nothing.
+void fetchShapes(const World& world, const Pair& pair);
+void fetchPair(const World& world, const Pair& pair);
 /// Begins a look: false where the pair needs none.
 bool beginLook(World& world, std::int32_t index, Look& look);
 /// What find() answers, with its pair noted where no bound could certify the answer.
@@ -78,6 +82,8 @@ void waitForGap(World& world, const Look& look);
 /// Finds and places the contacts of a chunk in which only cuboids meet, those that touched before in batches
 /// (cuboid_contacts.cpp); others, and those of rules that the batches don't know, are left for placeContactPoints.
 void findCuboidContacts(std::size_t c, World& world);
+/// The same for polyhedra (polyhedron_contacts.cpp).
+void findPolyhedronContacts(std::size_t c, World& world);
 /// The same for a chunk in which only cuboids meet flat walls at rest (cuboids_at_walls.cpp).
 void findCuboidsAtWalls(std::size_t c, World& world);
 

@@ -72,8 +72,9 @@ struct World {
     void (*make)(double dt, std::size_t chunk, World& world) = nullptr;
     std::vector<BriefContact> briefs;  ///< then these stand for contacts
     std::vector<SmoothTouch> touches;  ///< of briefs, unless they are of balls
-    bool ofCuboids = false;            ///< only cuboids meet here, each other or flat walls: found in batches
-    std::vector<ContactPull> pulls;    ///< of contacts, or of briefs
+    /// Only cuboids or only polyhedra meet here, and this finds their contacts in batches; null: pair by pair.
+    void (*find)(std::size_t chunk, World& world) = nullptr;
+    std::vector<ContactPull> pulls;  ///< of contacts, or of briefs
     NarrowCounts counts;
     double deepest = 0;                 ///< largest overlap over size in this chunk
     std::int32_t uncertifiedPair = -1;  ///< the first pair whose answer no bound could certify

@@ -32,6 +32,8 @@ void expectConsistentTables(const PolyhedronTables& t) {
       EXPECT_EQ(edge.b, std::max(p, q));
       EXPECT_EQ(p < q ? edge.faceLeft : edge.faceRight, f);
       EXPECT_EQ(p < q ? edge.faceRight : edge.faceLeft, corners[k].beyond);
+      EXPECT_EQ(edge.wings[p < q ? 0 : 2], corners[(k + corners.size() - 1) % corners.size()].vertex);
+      EXPECT_EQ(edge.wings[p < q ? 1 : 3], corners[(k + 2) % corners.size()].vertex);
     }
     for (const Vec3& v : t.vertices) EXPECT_LE(t.faces[at(f)].normal.dot(v), t.faces[at(f)].offset + 1e-14 * v.norm());
   }

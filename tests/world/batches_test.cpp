@@ -4,8 +4,8 @@
 
 #include <map>
 
-#include "granular/point/cuboid_overlap.h"
 #include "granular/point/overlap.h"
+#include "granular/point/patch_lanes.h"
 #include "granular/point/rules.h"
 #include "granular/shape/clump.h"
 #include "granular/shape/cylinder.h"
@@ -13,6 +13,8 @@
 #include "granular/shape/polyhedron.h"
 #include "granular/shape/sphere.h"
 #include "granular/wall/plane_patch.h"
+#include "granular/world/looks.h"
+#include "narrow/scenes.h"
 #include "world/heap.h"
 
 namespace granular {
@@ -270,8 +272,6 @@ Mat3 inertiaOf(const ContactPatch& patch, const Vec3& normal) {
                        patch.uv * (u * v.transpose() + v * u.transpose()));
 }
 
-class Cuboids : public ::testing::TestWithParam<Case> {};
-
 /// A patch made in a batch against the right one, to round-off.
 void expectSamePatch(const ContactPatch& found, const ContactPatch& right, const Vec3& normal, double reach,
                      double overlap, double size) {
@@ -286,61 +286,73 @@ void expectSamePatch(const ContactPatch& found, const ContactPatch& right, const
   EXPECT_LE(off, 1e-10 + 1e3 * std::numeric_limits<double>::epsilon() * size / overlap);
 }
 
-// Every contact of the batches against the search over all fifteen axes and the walk over all cells.
+/// What touched in contacts that were held to the search.
+struct Seen {
+  std::size_t faces = 0, edges = 0, placed = 0, ties = 0;
+};
+
+/// A contact of a batch against the exhaustive search, and its patch against the walk over all cells.
+void expectAsSearched(const World& world, const Contact& contact, Seen& seen) {
+  const WorldOptions& options = world.options;
+  const Bodies& bodies = world.bodies;
+  const auto a = static_cast<std::size_t>(contact.a), b = static_cast<std::size_t>(contact.b);
+  const Shape &shapeA = *bodies.shape[a], &shapeB = *bodies.shape[b];
+  Frame frameB = bodies.frame[b];
+  frameB.x += contact.shift;
+  const double size = std::min(shapeA.size(), shapeB.size());
+  WarmCache cache;
+  NarrowCounts counts;
+  Touch touch;
+  ASSERT_TRUE(findTouch(shapeA, bodies.frame[a], shapeB, frameB, true, cache, counts, touch));
+  EXPECT_NEAR(contact.touch.overlap, touch.overlap, 2e-12 * size);
+  EXPECT_LE((contact.touch.onA - contact.touch.onB - contact.touch.overlap * contact.touch.normal).norm(),
+            1e-14 * size);
+  if ((contact.touch.normal - touch.normal).norm() > 1e-9) {
+    ++seen.ties;  // either is right
+    return;
+  }
+  (cache.kind == WarmCache::edgePair ? seen.edges : seen.faces) += 1;
+  EXPECT_LE((contact.touch.onA - touch.onA).norm(), 1e-10 * size);
+
+  // By the rules that are left to the general way the very same; by the others to round-off.
+  ContactPatch patch;
+  if (!contact.placed) {
+    placeContact(options.rule, shapeA, bodies.frame[a], shapeB, frameB, contact.touch, patch);
+    EXPECT_EQ(contact.patch.point, patch.point);
+    EXPECT_EQ(contact.patch.area, patch.area);
+    return;
+  }
+  ++seen.placed;
+  const ContactPlane plane(contact.touch);
+  OverlapArea area;
+  ASSERT_TRUE(measureByWalk(plane, shapeA, bodies.frame[a], shapeB, frameB, touch.overlap,
+                            powersFor(options.rule, touch.overlap), 0, area));
+  placePressure(options.rule, plane, area.moments, touch.overlap, area.height, size, patch);
+  const double reach = std::sqrt(area.moments.xx / area.moments.area + area.moments.yy / area.moments.area);
+  expectSamePatch(contact.patch, patch, contact.touch.normal, reach, touch.overlap, size);
+}
+
+class Cuboids : public ::testing::TestWithParam<Case> {};
+
 TEST_P(Cuboids, InBatchesHaveTheTouchesAndPatchesOfOneByOne) {
   const WorldOptions& options = GetParam().options;
   const bool places = placesInLanes(options.rule.rule);
   const auto world = makeBoxes(options, 6);
   startHalfSteps(*world, 5e-6, 0, true);
-  std::size_t faces = 0, edges = 0, placed = 0, ties = 0, atWalls = 0;
+  Seen seen;
+  std::size_t atWalls = 0;
   for (int n = 0; n < 6000; ++n) {
     step(*world, 5e-6);
     if (n % 10 != 0) continue;
     const Bodies& bodies = world->bodies;
     for (std::size_t c = 0; c < world->wallChunkBegin; ++c) {
-      ASSERT_TRUE(world->chunks[c].ofCuboids);
-      for (const Contact& contact : world->chunks[c].contacts) {
-        const auto a = static_cast<std::size_t>(contact.a), b = static_cast<std::size_t>(contact.b);
-        const Shape &shapeA = *bodies.shape[a], &shapeB = *bodies.shape[b];
-        Frame frameB = bodies.frame[b];
-        frameB.x += contact.shift;
-        const double size = std::min(shapeA.size(), shapeB.size());
-        WarmCache cache;
-        NarrowCounts counts;
-        Touch touch;
-        ASSERT_TRUE(findTouch(shapeA, bodies.frame[a], shapeB, frameB, true, cache, counts, touch));
-        EXPECT_NEAR(contact.touch.overlap, touch.overlap, 2e-12 * size);
-        EXPECT_LE((contact.touch.onA - contact.touch.onB - contact.touch.overlap * contact.touch.normal).norm(),
-                  1e-14 * size);
-        if ((contact.touch.normal - touch.normal).norm() > 1e-9) {
-          ++ties;  // either is right
-          continue;
-        }
-        (cache.kind == WarmCache::edgePair ? edges : faces) += 1;
-        EXPECT_LE((contact.touch.onA - touch.onA).norm(), 1e-10 * size);
-
-        // By the rules that are left to the general way the very same; by the others to round-off.
-        ContactPatch patch;
-        if (!contact.placed) {
-          placeContact(options.rule, shapeA, bodies.frame[a], shapeB, frameB, contact.touch, patch);
-          EXPECT_EQ(contact.patch.point, patch.point);
-          EXPECT_EQ(contact.patch.area, patch.area);
-          continue;
-        }
-        ++placed;
-        const ContactPlane plane(contact.touch);
-        OverlapArea area;
-        ASSERT_TRUE(measureByWalk(plane, shapeA, bodies.frame[a], shapeB, frameB, touch.overlap,
-                                  powersFor(options.rule, touch.overlap), 0, area));
-        placePressure(options.rule, plane, area.moments, touch.overlap, area.height, size, patch);
-        const double reach = std::sqrt(area.moments.xx / area.moments.area + area.moments.yy / area.moments.area);
-        expectSamePatch(contact.patch, patch, contact.touch.normal, reach, touch.overlap, size);
-      }
+      ASSERT_EQ(world->chunks[c].find, findCuboidContacts);
+      for (const Contact& contact : world->chunks[c].contacts) expectAsSearched(*world, contact, seen);
     }
     // Planes, too.
     std::map<std::pair<std::int32_t, std::int32_t>, const Contact*> found;
     for (std::size_t c = world->wallChunkBegin; c < world->chunks.size(); ++c) {
-      EXPECT_EQ(world->chunks[c].ofCuboids, places);
+      EXPECT_EQ(world->chunks[c].find != nullptr, places);
       for (const Contact& contact : world->chunks[c].contacts) found[{contact.a, contact.b}] = &contact;
     }
     for (const WallPair& pair : world->pairs.wallPairs) {
@@ -373,10 +385,10 @@ TEST_P(Cuboids, InBatchesHaveTheTouchesAndPatchesOfOneByOne) {
     }
   }
   EXPECT_EQ(atWalls > 300, places);
-  EXPECT_GT(faces, 2000u);
-  EXPECT_GT(edges, 2000u);
-  EXPECT_LT(ties, (faces + edges) / 100);
-  EXPECT_EQ(placed > (faces + edges) * 8 / 10, places);
+  EXPECT_GT(seen.faces, 2000u);
+  EXPECT_GT(seen.edges, 2000u);
+  EXPECT_LT(seen.ties, (seen.faces + seen.edges) / 100);
+  EXPECT_EQ(seen.placed > (seen.faces + seen.edges) * 8 / 10, places);
 }
 
 std::vector<Case> boxCases() {
@@ -398,9 +410,59 @@ std::vector<Case> boxCases() {
 INSTANTIATE_TEST_SUITE_P(World, Cuboids, ::testing::ValuesIn(boxCases()),
                          [](const auto& info) { return info.param.name; });
 
+/// A rock, a tetrahedron, and a prism whose ends have more corners than lanes look at.
+std::vector<std::shared_ptr<const Shape>> makePolyhedra() {
+  Random random(5);
+  std::vector<Vec3> tetrahedron, prism;
+  for (const Vec3& v : {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)})
+    tetrahedron.push_back(.8e-3 * v);
+  for (int k = 0; k < 28; ++k) {
+    const double angle = k / 2 * pi / 7;
+    prism.emplace_back(1e-3 * std::cos(angle), 1e-3 * std::sin(angle), k % 2 ? .9e-3 : -.9e-3);
+  }
+  return {testing::makeRock(random, 24, 1.3e-3, Vec3(1, .8, 1.2)), std::make_shared<Polyhedron>(tetrahedron),
+          std::make_shared<Polyhedron>(prism)};
+}
+
+class Polyhedra : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Polyhedra, InBatchesHaveTheTouchesAndPatchesOfOneByOne) {
+  WorldOptions options = GetParam().options;
+  options.gravity = Vec3(0, 0, -50);  // so that they are together soon
+  const auto world = testing::makeEmptyWorld(options);
+  const double pitch = 3.2e-3;
+  if (options.periods.length.isZero())
+    testing::addBoxOfPlanes(2.5 * pitch, *world);
+  else
+    world->walls.push_back(makePlaneWall(Vec3::Zero(), Vec3::UnitZ()));
+  std::vector<std::int32_t> shapes;
+  for (const auto& shape : makePolyhedra()) shapes.push_back(world->addShape(shape));
+  testing::addLattice(shapes, 5, pitch, 60, *world);
+  startHalfSteps(*world, 5e-6, 0, true);
+  Seen seen;
+  for (int n = 0; n < 6000; ++n) {
+    step(*world, 5e-6);
+    if (n % 8 != 0) continue;
+    for (std::size_t c = 0; c < world->wallChunkBegin; ++c) {
+      ASSERT_EQ(world->chunks[c].find, findPolyhedronContacts);
+      for (const Contact& contact : world->chunks[c].contacts) expectAsSearched(*world, contact, seen);
+    }
+  }
+  EXPECT_GT(seen.faces, 1000u);
+  EXPECT_GT(seen.edges, 1000u);
+  EXPECT_LT(seen.ties, (seen.faces + seen.edges) / 100);
+  EXPECT_EQ(seen.placed > (seen.faces + seen.edges) / 2, placesInLanes(options.rule.rule));
+}
+
+INSTANTIATE_TEST_SUITE_P(World, Polyhedra, ::testing::ValuesIn(boxCases()),
+                         [](const auto& info) { return info.param.name; });
+
 // Pairs of other bodies, between theirs in the order of ids, change who shares a register and when it is full.
-TEST(Cuboids, InBatchesMoveByTheSameBitsWhoeverSharesTheirBatch) {
-  for (const PointRule rule : {PointRule::patch, PointRule::stiffPatch}) {
+TEST(FlatFaced, InBatchesMoveByTheSameBitsWhoeverSharesTheirBatch) {
+  std::vector<std::shared_ptr<const Shape>> all = makePolyhedra();
+  all.push_back(std::make_shared<Cuboid>(Vec3(1e-3, .8e-3, 1.2e-3)));
+  for (const auto& [rule, one] : {std::pair{PointRule::patch, 3}, std::pair{PointRule::stiffPatch, 3},
+                                  std::pair{PointRule::patch, 0}, std::pair{PointRule::stiffPatch, 0}}) {
     std::unique_ptr<World> worlds[2];
     for (const bool crowded : {false, true}) {
       WorldOptions options;
@@ -408,7 +470,7 @@ TEST(Cuboids, InBatchesMoveByTheSameBitsWhoeverSharesTheirBatch) {
       worlds[crowded] = testing::makeEmptyWorld(options);
       World& world = *worlds[crowded];
       world.walls.push_back(makePlaneWall(Vec3::Zero(), Vec3::UnitZ()));
-      const std::int32_t shape = world.addShape(std::make_shared<Cuboid>(Vec3(1e-3, .8e-3, 1.2e-3)));
+      const std::int32_t shape = world.addShape(all[static_cast<std::size_t>(one)]);
       Random random(3), others(4);
       for (int k = 0; k < 125; ++k) {
         NewBody body;
@@ -510,18 +572,17 @@ TEST_P(Contacts, PressedInLanesHaveTheSameBitsAsOneByOne) {
 }
 
 std::vector<Grains> grains() {
-  // A polyhedron, whose contacts are found one by one either way: those of cuboids agree to round-off only.
-  std::vector<Vec3> corners;
-  for (int k = 0; k < 8; ++k) corners.push_back(1.1e-3 * Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
-  const auto cube = std::make_shared<Polyhedron>(corners);
+  const auto cube = std::make_shared<Cuboid>(Vec3(1.1e-3, 1.1e-3, 1.1e-3));
   const auto cylinder = std::make_shared<Cylinder>(1.1e-3, 2e-3);
   const auto ellipsoid = std::make_shared<Ellipsoid>(Vec3(1e-3, 1.2e-3, 1.5e-3));
   const auto clump = std::make_shared<Clump>(
       std::vector<ChildSphere>{{Vec3(-.6e-3, 0, 0), .9e-3}, {Vec3(.6e-3, 0, 0), .9e-3}, {Vec3(0, .7e-3, 0), .8e-3}});
   const auto sphere = std::make_shared<Sphere>(1.3e-3);
+  // Searched for anew, the contacts of cubes are found one by one either way: those of batches agree to round-off only.
   const auto withRule = [](PointRule rule) {
     WorldOptions options;
     options.rule.rule = rule;
+    options.skips.feature = false;
     return options;
   };
   std::vector<Grains> all = {

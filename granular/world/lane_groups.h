@@ -1,0 +1,47 @@
+// Pairs on their way into lanes and back.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <new>
+
+#include "granular/point/patch_lanes.h"
+#include "granular/point/witness.h"
+#include "granular/world/world.h"
+
+namespace granular {
+
+/// A pair on its way.
+struct Waiting {
+  std::size_t contact;  ///< in the chunk, to be filled
+  std::int32_t index;   ///< of the pair
+  bool seatIsA;
+};
+
+/// In memory, to be taken out one by one.
+inline TripleLanes<wideSize> spreadOut(const Triple<Wide>& v) {
+  TripleLanes<wideSize> lanes;
+  lanes.store(0, v);
+  return lanes;
+}
+
+/// Writes what was found of lane k into a contact. seat: the seat's centre, world, m.
+inline void placeFromLane(const PatchLanes& patch, const TripleLanes<wideSize>& point,
+                          const TripleLanes<wideSize>& centre, const TripleLanes<wideSize>& x, double depth,
+                          bool seatIsA, const Vec3& seat, std::size_t k, Contact& contact) {
+  placePoint(seat + point.take(k), x.take(k), depth, contact.patch);
+  contact.patch.depth = patch.depth[k];
+  contact.patch.squaredDepth = patch.squaredDepth[k];
+  contact.patch.centre = seat + centre.take(k);
+  contact.patch.area = patch.area[k];
+  contact.patch.uu = patch.xx[k];
+  contact.patch.vv = patch.yy[k];
+  contact.patch.uv = seatIsA ? patch.xy[k] : -patch.xy[k];
+  contact.placed = true;
+}
+
+/// Takes the contacts without bodies (a = -1) out of a chunk, closing the gaps in the ranges at these positions of
+/// contactsOfPair, and looks for the deepest of those that stay.
+void keepTouching(const std::size_t* positions, std::size_t count, World& world, World::Chunk& chunk);
+
+}  // namespace granular
