@@ -11,8 +11,7 @@ namespace granular {
 
 /// Overlaps on their way: their integrals are complete after finish(), until which what they add up in must stay.
 struct OverlapsInLanes {
-  explicit OverlapsInLanes(const RuleOptions& rule)
-      : triangles(powerInLanes(rule)) {}
+  explicit OverlapsInLanes(const RuleOptions& rule) : triangles(powerInLanes(rule)) {}
   void finish() {
     cells.integrate(triangles);
     triangles.integrate();

@@ -152,7 +152,14 @@ class PolyhedronLooks
   void nameApart(const Pair& pair, WarmCache& cache) const { nameVertices(tablesAt(pair.a), tablesAt(pair.b), cache); }
 
   void fetchWhere(const Pair& pair) const { fetchShapes(world, pair); }
-  void fetchWhat(const Pair& pair) const { fetchPair(world, pair); }
+  void fetchWhat(const Pair& pair) const {
+    __builtin_prefetch(&world.pairs.memory.cache[at(pair.slot)]);
+    for (const std::int32_t body : {pair.a, pair.b}) {
+      const auto* frame = reinterpret_cast<const std::byte*>(&world.bodies.frame[at(body)]);
+      __builtin_prefetch(frame);
+      __builtin_prefetch(frame + 64);
+    }
+  }
 
  private:
   const Tables& tablesAt(std::int32_t body) const {
