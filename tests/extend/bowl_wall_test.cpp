@@ -91,7 +91,8 @@ TEST(BowlWall, CarriesTheWeightOfBallsAndClumpsThatFallIn) {
   Random random(3);
   double weight = 0;
   for (int k = 0; k < 24; ++k) {
-    const Vec3 cell(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    const int column = k % 3, row = k / 3 % 3, layer = k / 9;
+    const Vec3 cell(column - 1, row - 1, layer - 1);
     const Vec3 shake(random.uniform(), random.uniform(), random.uniform());
     if (k % 2) {
       addBody(*world, twin, 2.8 * r * (cell + 0.05 * shake));

@@ -73,7 +73,8 @@ TEST(BoxCentreRule, CreatesNeitherMomentumNorAngularMomentum) {
   for (int k = 0; k < 27; ++k) {
     NewBody body;
     body.shapeIndex = k % 3 ? box : ball;
-    body.pose.x = 3.5e-3 * Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    const int column = k % 3, row = k / 3 % 3, layer = k / 9;
+    body.pose.x = 3.5e-3 * Vec3(column - 1, row - 1, layer - 1);
     body.pose.q = random.rotation();
     body.velocity = -50 * body.pose.x;
     world.addBody(body);

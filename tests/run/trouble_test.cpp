@@ -12,7 +12,8 @@ class TroubleTest : public ResumeTest {
   std::string makePoses(double highest) const {
     std::ofstream poses(folder / "poses.txt");
     for (int k = 0; k < 18; ++k) {
-      poses << 4e-3 * (k % 3 - 1) + 1e-4 * (k / 9) << ' ' << 4e-3 * (k / 3 % 3 - 1) << ' ' << 1.6e-3 + 3.2e-3 * (k / 9)
+      const int column = k % 3, row = k / 3 % 3, layer = k / 9;
+      poses << 4e-3 * (column - 1) + 1e-4 * layer << ' ' << 4e-3 * (row - 1) << ' ' << 1.6e-3 + 3.2e-3 * layer
             << " 1 0 0 0\n";
     }
     poses << "0 0 " << highest << " 1 0 0 0\n";
