@@ -1,10 +1,11 @@
 #!/usr/bin/python3
-"""What sleeping changes in a bed, and what it saves: the same pour without it and at several thresholds.
+"""What sleeping and other choices change in a bed, and what they save: the same pour without them and with them.
 
 usage: study_sleep.py SCENE --out DIR [--packing build/release/demos/packing] [--set KEY=VALUE ...] [--seeds 1,2,3]
        [--cases none,default,wake=0.3,energy=1e-5] [--parallel 1]
 
-A case is none, default, or one key of [settle] with its value. Each run leaves DIR/<case>_<seed>; what is there is not
+A case is none (nobody sleeps), default (bodies at rest do), or one key of [settle] with its value; + adds any other key
+of the scene, as in none+time.step=1e-6. Each run leaves DIR/<case>_<seed>; what is there is not
 done again. Writes DIR/sleep.json and DIR/sleep.md: solid fraction and coordination of each case as mean and standard
 deviation over the seeds, and the mean user time of a run, so that other work on the machine counts little.
 Exit codes: 0 done; 1 a run failed.
@@ -26,7 +27,8 @@ def run(case, seed, options):
     folder = os.path.join(options.out, f"{case.replace('=', '_')}_{seed}")
     timing = os.path.join(folder, "time.json")
     if not os.path.exists(timing):
-        overrides = OVERRIDES.get(case, ["settle.kind=sleep", "settle." + case])
+        sleep, *others = case.split("+")
+        overrides = OVERRIDES.get(sleep, ["settle.kind=sleep", "settle." + sleep]) + others
         command = [options.packing, options.scene, "--out", folder, "--threads", "1", "--seed", str(seed)]
         for each in overrides + options.set + ["output.picture=false", "output.plots=false", "output.stl=false", "output.glb=false"]:
             command += ["--set", each]

@@ -417,7 +417,8 @@ std::vector<std::shared_ptr<const Shape>> makePolyhedra() {
   for (const Vec3& v : {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)})
     tetrahedron.push_back(.8e-3 * v);
   for (int k = 0; k < 28; ++k) {
-    const double angle = k / 2 * pi / 7;
+    const int side = k / 2;
+    const double angle = side * pi / 7;
     prism.emplace_back(1e-3 * std::cos(angle), 1e-3 * std::sin(angle), k % 2 ? .9e-3 : -.9e-3);
   }
   return {testing::makeRock(random, 24, 1.3e-3, Vec3(1, .8, 1.2)), std::make_shared<Polyhedron>(tetrahedron),
