@@ -98,8 +98,10 @@ class FaceWalk {
       a.projectFace(cell.a, region);
       clipPolygon(depth, noEdge, region);
       if (region.count == 0) continue;
-      if (projected != cell.b) b.projectFace(projected = cell.b, under);
-      clipPolygon(under, region);
+      if (!b.surelyHolds(region)) {
+        if (projected != cell.b) b.projectFace(projected = cell.b, under);
+        clipPolygon(under, region);
+      }
       const AreaMoments moments = integrate(region, depth, power);
       out.moments += moments;
       if (k == 0) least = narrowest * moments.volume;
@@ -148,6 +150,7 @@ constexpr double sidewaysSlack = 1e-6;
 /// and beyond the others' outline it may lie sideways by `sidewaysSlack`.
 bool keepOverFace(const SurfaceSide& body, std::span<const std::int32_t> faces, std::span<const Linear> depths,
                   std::size_t which, double sign, double width, Segment& piece) {
+  if (body.isRound()) return body.clipToDisk(piece);
   const Vec2 along = piece.to - piece.from;
   const Vec2 lateral = Vec2(-along.y(), along.x()) / std::max(along.norm(), std::numeric_limits<double>::min());
   Polygon face;

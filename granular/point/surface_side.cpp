@@ -34,6 +34,12 @@ std::int32_t SurfaceSide::vertexOf(const TouchingFeature& feature) const {
 }
 
 void SurfaceSide::showFeature(const Shape& shape) {
+  if (shape.supportDisk(sign * normal, flatterCosine, disk)) {
+    round = &shape;
+    kind = 3;
+    height = findPlaneHeight(disk.normal, disk.normal.dot(disk.centre));
+    return;
+  }
   Feature feature;
   const Vec3 faceNormal = shape.supportFace(sign * normal, flatterCosine, feature);
   kind = std::min(feature.count, 3);
@@ -44,12 +50,39 @@ void SurfaceSide::showFeature(const Shape& shape) {
     height.slope = square > 0 ? Vec2(rise / square * along) : Vec2::Zero();
     height.offset = normal.dot(feature[0] - origin) - height.slope.dot(line.from);
   } else if (kind == 3) {
-    // Seen from below, counter-clockwise runs backwards.
-    for (int k = 0; k < feature.count; ++k) {
-      polygon.push(projectPoint(feature[sign > 0 ? k : feature.count - 1 - k]), noEdge);
-    }
+    showPolygon(feature);
     height = findPlaneHeight(faceNormal, faceNormal.dot(feature[0]));
   }
+}
+
+void SurfaceSide::showPolygon(const Feature& feature) const {
+  // Seen from below, counter-clockwise runs backwards.
+  for (int k = 0; k < feature.count; ++k) {
+    polygon.push(projectPoint(feature[sign > 0 ? k : feature.count - 1 - k]), noEdge);
+  }
+}
+
+bool SurfaceSide::surelyHolds(const Vec2& x) const {
+  if (!round) return false;
+  // The circle within the polygon of faceSamples corners, less round-off.
+  static const double within = std::pow((1 - 1e-12) * std::cos(pi / faceSamples), 2);
+  return findInDisk(x).squaredNorm() <= within * disk.radius * disk.radius;
+}
+
+bool SurfaceSide::clipToDisk(Segment& segment) const {
+  // |from + t along|^2 = radius^2
+  const Vec3 from = findInDisk(segment.from), along = findInDisk(segment.to) - from;
+  const double square = along.squaredNorm(), half = from.dot(along);
+  const double rest = from.squaredNorm() - disk.radius * disk.radius;
+  if (!(square > 0)) return rest <= 0;
+  const double under = half * half - square * rest;
+  if (under < 0) return false;
+  const double root = std::sqrt(under), first = (-half - root) / square, last = (-half + root) / square;
+  if (last < 0 || first > 1) return false;
+  const Segment whole = segment;
+  if (first > 0) segment.from = whole.from + first * (whole.to - whole.from);
+  if (last < 1) segment.to = whole.from + last * (whole.to - whole.from);
+  return true;
 }
 
 int SurfaceSide::findFacesAround(std::array<std::int32_t, Feature::capacity>& out) const {
@@ -86,6 +119,11 @@ std::int32_t SurfaceSide::findStartFace(double slack) const {
 
 void SurfaceSide::projectFace(std::int32_t face, Polygon& out) const {
   if (!tables) {
+    if (round && polygon.count == 0) {
+      Feature feature;
+      round->supportFace(sign * normal, flatterCosine, feature);
+      showPolygon(feature);
+    }
     out.count = 0;
     for (int k = 0; k < polygon.count; ++k) out.push(polygon[k], noEdge);
     return;

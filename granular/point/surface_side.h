@@ -46,6 +46,16 @@ class SurfaceSide {
   /// The corners of a face in the contact plane, counter-clockwise. An edge is named by the face f beyond it: f for
   /// body A, -2 - f for body B, noEdge where there is none.
   void projectFace(std::int32_t face, Polygon& out) const;
+  /// True only if the face is round and the region lies in it: told without its corners.
+  bool surelyHolds(const Polygon& region) const {
+    for (int k = 0; k < region.count; ++k) {
+      if (!surelyHolds(region[k])) return false;
+    }
+    return round != nullptr;
+  }
+  bool isRound() const { return round != nullptr; }
+  /// Keeps the part of the segment in the round face, in place; false when nothing is left.
+  bool clipToDisk(Segment& segment) const;
   /// Height of a face over the contact plane; of a segment: along it, the same at all places beside it.
   Linear findHeight(std::int32_t face) const;
   /// All faces around the deepest point that are seen, into out; returns their number.
@@ -66,6 +76,13 @@ class SurfaceSide {
 
  private:
   void showFeature(const Shape& shape);
+  void showPolygon(const Feature& feature) const;
+  bool surelyHolds(const Vec2& x) const;
+  /// From the centre of the round face to where it lies over a place, in it.
+  Vec3 findInDisk(const Vec2& x) const {
+    const Vec3 from = origin + x.x() * u + x.y() * v + height.at(x) * normal - disk.centre;
+    return from - disk.normal.dot(from) * disk.normal;
+  }
   /// A vertex of this body's part of the feature, all of whose vertices are deepest.
   std::int32_t vertexOf(const TouchingFeature& feature) const;
 
@@ -80,7 +97,9 @@ class SurfaceSide {
   int kind = 3;
   const PolyhedronTables* tables = nullptr;  // null: one feature
   std::int32_t deepest = 0;                  // vertex of the tables
-  Polygon polygon;                           // one feature: its corners and height
+  const Shape* round = nullptr;              // one feature, a round face
+  Disk disk;                                 // it
+  mutable Polygon polygon;                   // one feature: its corners, of a round one when they are asked for
   Linear height;
   Segment line;
 };

@@ -26,6 +26,10 @@ class Cone final : public Shape {
   /// Of the apex and faceSamples rim points from the azimuth of d on, those within the slab, as a polygon seen along d.
   void supportFeature(const Vec3& d, double slab, Feature& out) const override;
   Vec3 supportFace(const Vec3& d, double minCosine, Feature& out) const override;
+  bool supportDisk(const Vec3& d, double minCosine, Disk& out) const override {
+    out = {Vec3(0, 0, baseZ()), -Vec3::UnitZ(), r};
+    return -d.z() >= minCosine;
+  }
   bool contains(const Vec3& p) const override;
   TriangleMesh surface(int resolution) const override;
   std::unique_ptr<btConvexShape> makeBulletShape(double scale) const override;

@@ -56,7 +56,7 @@ Vec3 Cylinder::supportFace(const Vec3& d, double minCosine, Feature& out) const 
   }
   const Vec3 top = support(d);
   out.push(top);
-  if (std::hypot(d.x(), d.y()) >= minCosine) out.push(Vec3(top.x(), top.y(), -top.z()));
+  if (d.x() * d.x() + d.y() * d.y() >= minCosine * minCosine) out.push(Vec3(top.x(), top.y(), -top.z()));
   return d;
 }
 

@@ -26,6 +26,11 @@ class Cylinder final : public Shape {
   /// d: a whole cap, a segment of it, a generator, or a point.
   void supportFeature(const Vec3& d, double slab, Feature& out) const override;
   Vec3 supportFace(const Vec3& d, double minCosine, Feature& out) const override;
+  bool supportDisk(const Vec3& d, double minCosine, Disk& out) const override {
+    const Vec3 up(0, 0, d.z() > 0 ? 1 : -1);
+    out = {half * up, up, r};
+    return std::abs(d.z()) >= minCosine;
+  }
   bool contains(const Vec3& p) const override;
   TriangleMesh surface(int resolution) const override;
   std::unique_ptr<btConvexShape> makeBulletShape(double scale) const override;

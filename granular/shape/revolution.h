@@ -13,7 +13,7 @@ void requireLength(const std::string& shape, const std::string& parameter, doubl
 
 /// Unit vector of the direction of d seen along z; x for d along z.
 inline Vec2 azimuthOf(const Vec3& d) {
-  const double across = std::hypot(d.x(), d.y());
+  const double across = std::sqrt(d.x() * d.x() + d.y() * d.y());
   return across > 0 ? Vec2(d.x() / across, d.y() / across) : Vec2(1, 0);
 }
 

@@ -16,6 +16,12 @@ class btConvexShape;
 
 namespace granular {
 
+/// A round face, body axes.
+struct Disk {
+  Vec3 centre, normal;  ///< m; outwards, unit
+  double radius;        ///< m
+};
+
 enum class ShapeKind : unsigned char { sphere, ellipsoid, cylinder, cone, cuboid, polyhedron, bullet, clump };
 inline constexpr int shapeKindCount = 8;
 
@@ -58,6 +64,12 @@ class Shape {
   /// otherwise the straight edge or generator that supports d (two points), otherwise the support point.
   /// Returns the outward unit normal of the face, or d itself for a segment or point.
   virtual Vec3 supportFace(const Vec3& d, double minCosine, Feature& out) const = 0;
+
+  /// True if what supportFace gives is a round face, whose faceSamples points need not be asked for then.
+  virtual bool supportDisk(const Vec3& d, double minCosine, Disk& out) const {
+    static_cast<void>(d), static_cast<void>(minCosine), static_cast<void>(out);
+    return false;
+  }
 
   /// True if p (body frame) lies inside or on the surface.
   virtual bool contains(const Vec3& p) const = 0;

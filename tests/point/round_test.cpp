@@ -58,6 +58,26 @@ TEST(Cylinder, LyingOnItsSideTouchesAlongAStrip) {
   EXPECT_NEAR(p.uu + p.vv, 4.0 / 12 + depth * depth / 12, 1e-12);
 }
 
+// The end of the other is a circle there, not the polygon that stands for it where areas overlap.
+TEST(Cylinder, LyingOnTheEndOfAnotherTouchesAlongItsChord) {
+  const Cylinder lying(.5, 6), standing(1, 2);
+  const double depth = 1e-3;
+  for (const double across : {0.0, .3, .77, .99}) {
+    // Beyond the end on both sides; then with its own end in the middle.
+    for (const double shift : {.4, 3.0}) {
+      Sunk sunk(lying, turnY(pi / 2), depth, shift);
+      sunk.frame.x.y() = across;
+      sunk.touch.onA += Vec3(0, across, 0);
+      sunk.touch.onB += Vec3(0, across, 0);
+      ContactPatch p;
+      placeContact({PointRule::patch}, lying, sunk.frame, standing, below, sunk.touch, p);
+      const double half = std::sqrt(1 - across * across), from = std::max(-half, shift - 3);
+      EXPECT_NEAR(p.area, depth * (half - from), 1e-12);
+      EXPECT_NEAR((p.point - Vec3(.5 * (from + half), across, -depth / 2)).norm(), 0, 1e-12);
+    }
+  }
+}
+
 TEST(Cylinder, LyingAtLiftOffTouchesAtItsThirdPoint) {
   const Cylinder cylinder(.5, 2);
   const double depth = 1e-3, tilt = std::asin(depth / 2);
