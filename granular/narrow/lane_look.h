@@ -1,4 +1,4 @@
-// What the warm looks at pairs of flat-faced bodies have in common, for one pair or as many as a register holds.
+// What the warm looks at pairs of flat-faced bodies have in common, for as many pairs as a register holds.
 #pragma once
 
 #include "granular/core/wide.h"
@@ -9,7 +9,7 @@ namespace granular {
 /// and y lie in the contact plane.
 template <class Real>
 struct LaneLook {
-  Mask<Real> holds;      ///< the feature is a minimum of the depth, without ties
+  Mask<Real> holds;      ///< the feature is a minimum of the depth; of cuboids, without ties
   Mask<Real> proven;     ///< and the global one
   Real depth;            ///< m; not above 0: apart by as much
   Triple<Real> x, y, z;  ///< contact axes, world

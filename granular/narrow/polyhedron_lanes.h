@@ -25,7 +25,7 @@ struct EdgePair {
   Real tie, inner;       ///< as in polyhedron_pair.cpp, m
 };
 
-/// A corner of a face in the contact plane, m.
+/// A place or a direction in the contact plane.
 template <class Real>
 struct FlatPlace {
   Real x, y;
@@ -66,7 +66,7 @@ CrossingLook<Real> lookAtCrossing(const EdgePair<Real>& p, double steepest) {
   const Triple<Real> x = Real(1 / lengthS) * u, y = n.cross(x);
   const Triple<Real> along = Real(side / lengthG) * v, across = n.cross(along);  // the guest's edge, to the left
   const Real cosineSL = n.dot(s.left), cosineSR = n.dot(s.right), cosineGL = -n.dot(g.left), cosineGR = -n.dot(g.right);
-  const Real offSL = y.dot(s.left), offSR = -y.dot(s.right);  // of A's normals, away from the edge
+  const Real offSL = y.dot(s.left), offSR = -y.dot(s.right);  // of the seat's normals, away from the edge
   const Mask<Real> runsOn = side > 0;
   const Real offGL = choose(runsOn, -across.dot(g.left), across.dot(g.left));
   const Real offGR = choose(runsOn, across.dot(g.right), Real(-across.dot(g.right)));

@@ -17,8 +17,8 @@ Wide reach(const Wide& depth, const Wide& fall, const Wide& across) {
   return choose(perMetre > 0, Wide(depth / perMetre), Wide{} + infinity);
 }
 
-/// True if the place, on the way out of the edge, lies between the edge and three sides of the face: what its corners
-/// beside the edge, in this order round the face, cut off with it.
+/// True if a place on the face's side of the edge, which runs round the face from first to last, lies in the
+/// quadrilateral of the edge and the face's corners next to it.
 Mask<Wide> isInside(const Place& first, const Place& last, const Place& afterLast, const Place& beforeFirst,
                     const Place& p) {
   return both(cross(afterLast - last, p - last) >= 0, both(cross(beforeFirst - afterLast, p - afterLast) >= 0,

@@ -7,8 +7,8 @@
 
 namespace granular {
 
-/// Integrates the overlaps of the lanes chosen, those whose parts lie in one face of either body each; nothing of the
-/// others. exponent: powerInLanes.
+/// Integrates the overlaps of the lanes chosen in which each triangle about the deepest place lies in one face of A and
+/// one of B; the sums of others are 0. exponent: powerInLanes.
 void integrateOverlap(const CrossingLook<Wide>& look, const Mask<Wide>& chosen, int exponent, OverlapLanes& sums);
 void integrateOverlap(const TipLook<Wide>& look, const Mask<Wide>& chosen, int exponent, OverlapLanes& sums);
 

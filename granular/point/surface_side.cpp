@@ -8,6 +8,9 @@ std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 /// A round body's flat end and its side share the contacts of its rim: the flatter of the two takes them.
 constexpr double flatterCosine = 0.70710678118654752;
 
+/// Squared radius of the circle within the polygon of faceSamples corners, less round-off, over that about it.
+const double within2 = std::pow((1 - 1e-12) * std::cos(pi / faceSamples), 2);
+
 }  // namespace
 
 SurfaceSide::SurfaceSide(const ContactPlane& plane, const Shape& shape, const Frame& frame, double side)
@@ -64,9 +67,7 @@ void SurfaceSide::showPolygon(const Feature& feature) const {
 
 bool SurfaceSide::surelyHolds(const Vec2& x) const {
   if (!round) return false;
-  // The circle within the polygon of faceSamples corners, less round-off.
-  static const double within = std::pow((1 - 1e-12) * std::cos(pi / faceSamples), 2);
-  return findInDisk(x).squaredNorm() <= within * disk.radius * disk.radius;
+  return findInDisk(x).squaredNorm() <= within2 * disk.radius * disk.radius;
 }
 
 bool SurfaceSide::clipToDisk(Segment& segment) const {

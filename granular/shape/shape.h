@@ -65,11 +65,9 @@ class Shape {
   /// Returns the outward unit normal of the face, or d itself for a segment or point.
   virtual Vec3 supportFace(const Vec3& d, double minCosine, Feature& out) const = 0;
 
-  /// True if what supportFace gives is a round face, whose faceSamples points need not be asked for then.
-  virtual bool supportDisk(const Vec3& d, double minCosine, Disk& out) const {
-    static_cast<void>(d), static_cast<void>(minCosine), static_cast<void>(out);
-    return false;
-  }
+  /// True if what supportFace gives is a round face, whose faceSamples points need not be asked for then; otherwise out
+  /// is of no account.
+  virtual bool supportDisk(const Vec3& /*d*/, double /*minCosine*/, Disk& /*out*/) const { return false; }
 
   /// True if p (body frame) lies inside or on the surface.
   virtual bool contains(const Vec3& p) const = 0;

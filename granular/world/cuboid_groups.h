@@ -1,6 +1,9 @@
 // Pairs of cuboids on their way into lanes: with each other and with flat walls.
 #pragma once
 
+#include <algorithm>
+#include <new>
+
 #include "granular/point/cuboid_overlap.h"
 #include "granular/world/lane_groups.h"
 
@@ -12,7 +15,7 @@ struct Group {
   static constexpr std::size_t fields = sizeof(CuboidPair<Wide>) / sizeof(Wide);
   std::size_t count = 0;
   std::array<Waiting, wideSize> waiting;
-  union {  // side by side, and as add() fills them in
+  union {  // side by side, and as add() fills them in: g++ and clang let either be read
     CuboidPair<Wide> pairs;
     double lanes[fields][wideSize];
   };

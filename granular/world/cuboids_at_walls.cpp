@@ -49,9 +49,7 @@ class CuboidsAtWalls {
     if (group.count == 0) return;
     group.lookWith(lookAtFace<Wide>);
     const FaceLook<Wide>& look = group.look;
-    Mask<Wide> chosen = both(both(look.holds, look.proven), look.depth > 0);
-    for (std::size_t k = group.count; k < wideSize; ++k) chosen[k] = 0;  // so that no cell is integrated twice
-    beginOverlap(look, chosen, overlaps, group.sums);
+    beginOverlap(look, touchingLanes(group), overlaps, group.sums);
     overlaps.finish();
     const PatchLanes patch = endOverlap(look, group.sums, rule);
     const auto point = spreadOut(patch.point), centre = spreadOut(patch.centre), x = spreadOut(look.x);

@@ -1,9 +1,7 @@
 // Pairs on their way into lanes and back.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <new>
 
 #include "granular/point/patch_lanes.h"
 #include "granular/point/witness.h"
@@ -17,6 +15,14 @@ struct Waiting {
   std::int32_t index;   ///< of the pair
   bool seatIsA;
 };
+
+/// The lanes of a group that touch, without those beyond the last pair, so that nothing is integrated twice.
+template <class Group>
+Mask<Wide> touchingLanes(const Group& group) {
+  Mask<Wide> chosen = both(both(group.look.holds, group.look.proven), group.look.depth > 0);
+  for (std::size_t k = group.count; k < wideSize; ++k) chosen[k] = 0;
+  return chosen;
+}
 
 /// In memory, to be taken out one by one.
 inline TripleLanes<wideSize> spreadOut(const Triple<Wide>& v) {

@@ -1,7 +1,8 @@
 // Looks at the pairs of a chunk in batches: what cuboids and polyhedra share. In a bed nearly all pairs touch as they
 // did in the last step: along the same face, or across the same edges. They are looked at side by side, and placed
 // while their geometry is at hand. Whatever is not proven there, a tie, another feature, a sliver, a birth, goes the
-// general way. A pair's answer does not depend on who shares its batch.
+// general way. A pair's answer does not depend on who shares its batch. Chunks of several kinds are looked at one by
+// one.
 #pragma once
 
 #include "granular/narrow/kernels.h"
@@ -13,10 +14,10 @@ namespace granular {
 
 /// Kind, which is derived from this, says what differs:
 ///   bool add(contact, cache)           the pair's group takes it by its last feature, or false: it can't
-///   void begin(group)                  looks at a full group, and begins the integrals of touchingLanes() if places()
-///   void finishOverlaps()              completes all integrals begun
-///   TouchingFeature nameFeature(contact, cache)
-///   void nameApart(pair, cache)        before a touching pair is remembered as apart
+///   void begin(group)                  looks at a group, the last of which may be part full, and begins the integrals
+///   of touchingLanes() if places() void finishOverlaps()              completes all integrals begun TouchingFeature
+///   nameFeature(contact, cache) void fetchWhere(pair), fetchWhat(pair)   starts to bring what a look will read, in two
+///   steps; default: its cache void nameApart(pair, cache)        before a touching pair is remembered as apart
 /// and endOverlap(look, sums, rule) ends the integrals of either look.
 template <class Kind, class FaceGroup, class EdgeGroup>
 class LaneLooks {
@@ -52,14 +53,6 @@ class LaneLooks {
   bool places() const { return placing; }
   /// The contact being added.
   std::size_t last() const { return chunk.contacts.size() - 1; }
-
-  /// The lanes that touch, without those beyond the last pair, so that nothing is integrated twice.
-  template <class Group>
-  static Mask<Wide> touchingLanes(const Group& group) {
-    Mask<Wide> chosen = both(both(group.look.holds, group.look.proven), group.look.depth > 0);
-    for (std::size_t k = group.count; k < wideSize; ++k) chosen[k] = 0;
-    return chosen;
-  }
 
   /// Groups of one kind; those closed wait for their integrals.
   template <class Group>
@@ -112,8 +105,7 @@ class LaneLooks {
     if (++groups.closed == Groups<Group>::most) endAll(groups);
   }
 
-  /// Ends the looks of all groups, the open one of which may be part full, and empties them. After that contacts whose
-  /// `a` is -1 are none.
+  /// Ends the looks of all groups, the open one of which may be part full, and empties them.
   template <class Group>
   void finish(Groups<Group>& groups) {
     if (groups.open().count > 0) close(groups);
@@ -188,10 +180,11 @@ class LaneLooks {
   void place(const Group& group, const TripleLanes<wideSize>& x) {
     const auto& look = group.look;
     const PatchLanes patch = endOverlap(look, group.sums, world.options.rule);
+    const Mask<Wide> touching = touchingLanes(group);
     const auto point = spreadOut(patch.point), centre = spreadOut(patch.centre);
     for (std::size_t k = 0; k < group.count; ++k) {
       const Waiting& one = group.waiting[k];
-      if (look.holds[k] == 0 || look.proven[k] == 0 || !(look.depth[k] > 0)) continue;
+      if (touching[k] == 0) continue;
       Contact& contact = chunk.contacts[one.contact];
       if (patch.good[k] == 0) {
         const WarmCache& cache = cacheOf(world.pairs.pairs[static_cast<std::size_t>(one.index)]);

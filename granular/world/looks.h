@@ -58,8 +58,8 @@ void takeDue(World& world, std::size_t c, Fetch&& fetch, Take&& take) {
     take(due[k]);
   }
 }
-/// Starts to bring into the cache what a look at a pair reads, in two steps: where it lies, and what lies there. Pairs
-/// that will not be looked at bring nothing.
+/// Starts to bring into the cache what a look at a pair reads, in two steps: the shapes; if the pair will be looked at,
+/// its memory, the frames, and the tables that the shapes point to.
 void fetchShapes(const World& world, const Pair& pair);
 void fetchPair(const World& world, const Pair& pair);
 /// Begins a look: false where the pair needs none.

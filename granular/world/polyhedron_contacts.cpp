@@ -1,5 +1,8 @@
 // Contacts of polyhedra in batches (lane_looks.h): under the rules `patch`, `stiff_patch` and `pressure_centroid` those
 // whose overlap is a tip or a crossing placed while their geometry is at hand (point/polyhedron_overlap.h).
+#include <algorithm>
+#include <new>
+
 #include "granular/core/placed_axes.h"
 #include "granular/core/tolerances.h"
 #include "granular/point/polyhedron_overlap.h"

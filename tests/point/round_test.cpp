@@ -74,8 +74,41 @@ TEST(Cylinder, LyingOnTheEndOfAnotherTouchesAlongItsChord) {
       const double half = std::sqrt(1 - across * across), from = std::max(-half, shift - 3);
       EXPECT_NEAR(p.area, depth * (half - from), 1e-12);
       EXPECT_NEAR((p.point - Vec3(.5 * (from + half), across, -depth / 2)).norm(), 0, 1e-12);
+
+      ContactPatch turnedRound;
+      const Touch touch{Vec3::UnitZ(), depth, sunk.touch.onB, sunk.touch.onA};
+      placeContact({PointRule::patch}, standing, below, lying, sunk.frame, touch, turnedRound);
+      EXPECT_NEAR(turnedRound.area, p.area, 1e-15);
+      EXPECT_NEAR((turnedRound.point - p.point).norm(), 0, 1e-15);
     }
   }
+}
+
+TEST(Round, EndsAreToldWithoutTheirCorners) {
+  Random random(2);
+  const Cylinder cylinder(.5, 1.2);
+  const Cone cone(.5, 1.2);
+  int ends = 0;
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3 d = random.direction();
+    for (const Shape* shape : {static_cast<const Shape*>(&cylinder), static_cast<const Shape*>(&cone)}) {
+      for (const double cosine : {.5, .7071, std::abs(d.z())}) {
+        Feature feature;
+        Disk disk;
+        const Vec3 normal = shape->supportFace(d, cosine, feature);
+        const bool isEnd = shape->supportDisk(d, cosine, disk);
+        ASSERT_EQ(isEnd, feature.count == faceSamples);
+        if (!isEnd) continue;
+        ++ends;
+        EXPECT_EQ(disk.normal, normal);
+        for (int k = 0; k < feature.count; ++k) {
+          EXPECT_NEAR((feature[k] - disk.centre).norm(), disk.radius, 1e-15);
+          EXPECT_EQ(disk.normal.dot(feature[k] - disk.centre), 0);
+        }
+      }
+    }
+  }
+  EXPECT_GT(ends, 1000);
 }
 
 TEST(Cylinder, LyingAtLiftOffTouchesAtItsThirdPoint) {

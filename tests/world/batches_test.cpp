@@ -410,19 +410,20 @@ std::vector<Case> boxCases() {
 INSTANTIATE_TEST_SUITE_P(World, Cuboids, ::testing::ValuesIn(boxCases()),
                          [](const auto& info) { return info.param.name; });
 
-/// A rock, a tetrahedron, and a prism whose ends have more corners than lanes look at.
+/// A rock, a tetrahedron, a prism whose ends have more corners than lanes look at, and a pyramid over such an end.
 std::vector<std::shared_ptr<const Shape>> makePolyhedra() {
   Random random(5);
-  std::vector<Vec3> tetrahedron, prism;
+  std::vector<Vec3> tetrahedron, prism, pyramid = {Vec3(0, 0, 1.2e-3)};
   for (const Vec3& v : {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)})
     tetrahedron.push_back(.8e-3 * v);
   for (int k = 0; k < 28; ++k) {
     const int side = k / 2;
     const double angle = side * pi / 7;
     prism.emplace_back(1e-3 * std::cos(angle), 1e-3 * std::sin(angle), k % 2 ? .9e-3 : -.9e-3);
+    if (k % 2) pyramid.emplace_back(1.1e-3 * std::cos(angle), 1.1e-3 * std::sin(angle), -.6e-3);
   }
   return {testing::makeRock(random, 24, 1.3e-3, Vec3(1, .8, 1.2)), std::make_shared<Polyhedron>(tetrahedron),
-          std::make_shared<Polyhedron>(prism)};
+          std::make_shared<Polyhedron>(prism), std::make_shared<Polyhedron>(pyramid)};
 }
 
 class Polyhedra : public ::testing::TestWithParam<Case> {};
@@ -452,7 +453,7 @@ TEST_P(Polyhedra, InBatchesHaveTheTouchesAndPatchesOfOneByOne) {
   EXPECT_GT(seen.faces, 1000u);
   EXPECT_GT(seen.edges, 1000u);
   EXPECT_LT(seen.ties, (seen.faces + seen.edges) / 100);
-  EXPECT_EQ(seen.placed > (seen.faces + seen.edges) / 2, placesInLanes(options.rule.rule));
+  EXPECT_EQ(seen.placed > (seen.faces + seen.edges) / 3, placesInLanes(options.rule.rule));
 }
 
 INSTANTIATE_TEST_SUITE_P(World, Polyhedra, ::testing::ValuesIn(boxCases()),
@@ -462,7 +463,7 @@ INSTANTIATE_TEST_SUITE_P(World, Polyhedra, ::testing::ValuesIn(boxCases()),
 TEST(FlatFaced, InBatchesMoveByTheSameBitsWhoeverSharesTheirBatch) {
   std::vector<std::shared_ptr<const Shape>> all = makePolyhedra();
   all.push_back(std::make_shared<Cuboid>(Vec3(1e-3, .8e-3, 1.2e-3)));
-  for (const auto& [rule, one] : {std::pair{PointRule::patch, 3}, std::pair{PointRule::stiffPatch, 3},
+  for (const auto& [rule, one] : {std::pair{PointRule::patch, 4}, std::pair{PointRule::stiffPatch, 4},
                                   std::pair{PointRule::patch, 0}, std::pair{PointRule::stiffPatch, 0}}) {
     std::unique_ptr<World> worlds[2];
     for (const bool crowded : {false, true}) {
@@ -472,6 +473,8 @@ TEST(FlatFaced, InBatchesMoveByTheSameBitsWhoeverSharesTheirBatch) {
       World& world = *worlds[crowded];
       world.walls.push_back(makePlaneWall(Vec3::Zero(), Vec3::UnitZ()));
       const std::int32_t shape = world.addShape(all[static_cast<std::size_t>(one)]);
+      std::vector<std::int32_t> crowd;  // of other polyhedra, with more and fewer corners
+      for (std::size_t k = 0; k + 1 < all.size(); ++k) crowd.push_back(world.addShape(all[k]));
       Random random(3), others(4);
       for (int k = 0; k < 125; ++k) {
         NewBody body;
@@ -487,6 +490,7 @@ TEST(FlatFaced, InBatchesMoveByTheSameBitsWhoeverSharesTheirBatch) {
         if (!crowded || k % 3 == 2) continue;
         draw(others);
         body.pose.x.x() += 1;
+        if (one < 4) body.shapeIndex = crowd[static_cast<std::size_t>(k) % crowd.size()];
         world.addBody(body);
       }
       startHalfSteps(world, 5e-6, 0, true);
@@ -507,7 +511,7 @@ TEST(FlatFaced, InBatchesMoveByTheSameBitsWhoeverSharesTheirBatch) {
       crowd += worlds[1]->contactCount();
     }
     EXPECT_GT(contacts, 5000u);
-    EXPECT_GT(crowd, contacts * 4 / 3);
+    EXPECT_GT(crowd, contacts + 1000);
   }
 }
 
