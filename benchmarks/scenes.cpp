@@ -24,7 +24,7 @@ struct Settings {
   std::string poses;  ///< file of packed cubes
   std::string rule = "patch";
   std::string law = "linear";
-  std::string skip = "all";
+  std::vector<std::string> skip = {"all"};
   std::string json, csv;
   int threads = 1;
   int relax = 2000;  ///< steps before the clock starts
@@ -151,8 +151,10 @@ void run(Settings& settings) {
   WorldOptions& options = settings.bed.options;
   options.rule.rule = pointRuleFromName(settings.rule);
   options.law = lawFromName(settings.law);
-  const bool all = settings.skip == "all";
-  options.skips = {all, all, all};
+  const auto skips = [&](const char* name) {
+    return std::ranges::count(settings.skip, "all") + std::ranges::count(settings.skip, name) > 0;
+  };
+  options.skips = {skips("broad_phase"), skips("gjk"), skips("epa"), skips("orientation")};
   if (!settings.poses.empty()) settings.bed.scene = "cubes";
   const std::size_t before = heapBytes();
   const std::unique_ptr<World> world =
@@ -185,7 +187,9 @@ int parseAndRun(int argc, char** argv) {
   app.add_option("--seed", settings.bed.seed, "of the bed");
   app.add_option("--rule", settings.rule, "contact-point rule");
   app.add_option("--law", settings.law, "linear, linear_local or tensor");
-  app.add_option("--skip", settings.skip, "all or none")->check(CLI::IsMember({"all", "none"}));
+  app.add_option("--skip", settings.skip, "what to skip: all, none, or names (broad_phase,gjk,epa,orientation)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"all", "none", "broad_phase", "gjk", "epa", "orientation"}));
   app.add_flag("--no-batches", settings.bed.options.noBatches, "work on every body, pair and contact one by one");
   app.add_option("--threads", settings.threads, "OpenMP threads")->check(CLI::PositiveNumber);
   app.add_option("--relax", settings.relax, "steps before the clock starts")->check(CLI::NonNegativeNumber);

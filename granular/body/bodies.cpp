@@ -32,9 +32,20 @@ std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape) {
   id.push_back(body.id);
   state.push_back(BodyState::moving);
   locks.push_back(body.locks);
+  turning.push_back(Turning::byScheme);
   someLocked = someLocked || body.locks != 0;
   listStale = true;
   return size() - 1;
+}
+
+void Bodies::turnAsBall(std::size_t i, bool keepsOrientation) {
+  const Vec3& moments = inertia[i];
+  if (!shape[i]->isRound() || moments.x() != moments.y() || moments.y() != moments.z()) return;
+  turning[i] = keepsOrientation ? Turning::ballWithOrientation : Turning::ball;
+  listStale = true;
+  if (keepsOrientation) return;
+  q[i] = qHalf[i] = Quat::Identity();
+  frame[i] = Frame(Pose{x[i], q[i]});
 }
 
 void Bodies::hold(std::size_t i, BodyState as) {
@@ -70,17 +81,21 @@ void Bodies::remove(const std::vector<bool>& gone) {
   compact(frame);
   compact(boundingRadius);
   compact(shape);
+  compact(turning);
   listStale = true;
 }
 
-const std::vector<std::int32_t>& Bodies::movingSlots() const {
-  if (listStale) {
-    listed.clear();
-    for (std::size_t i = 0; i < size(); ++i) {
-      if (moves(i)) listed.push_back(static_cast<std::int32_t>(i));
-    }
-    listStale = false;
+const Bodies::MovingList& Bodies::listMoving() const {
+  if (!listStale) return listed;
+  for (auto* slots : {&listed.all, &listed.byScheme, &listed.balls, &listed.orientedBalls}) slots->clear();
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (!moves(i)) continue;
+    const auto slot = static_cast<std::int32_t>(i);
+    listed.all.push_back(slot);
+    (isBall(i) ? listed.balls : listed.byScheme).push_back(slot);
+    if (turning[i] == Turning::ballWithOrientation) listed.orientedBalls.push_back(slot);
   }
+  listStale = false;
   return listed;
 }
 
@@ -89,6 +104,7 @@ void Bodies::restoreDerived(const ShapeTable& shapes) {
   frame.resize(n);
   boundingRadius.resize(n);
   shape.resize(n);
+  turning.assign(n, Turning::byScheme);
   for (std::size_t i = 0; i < n; ++i) {
     shape[i] = shapes[static_cast<std::size_t>(shapeIndex[i])].get();
     frame[i] = Frame(Pose{x[i], q[i]});

@@ -45,11 +45,11 @@ struct Bodies {
   std::vector<Vec3> v;             ///< velocity at t_n (predicted), m/s
   std::vector<Vec3> w;             ///< angular velocity at t_n (predicted), world axes, rad/s
   std::vector<Vec3> vHalf;         ///< velocity at the half step, m/s
-  std::vector<Vec3> wHalf;         ///< angular velocity at the half step, body axes, rad/s
+  std::vector<Vec3> wHalf;         ///< angular velocity at the half step, body axes (balls: world axes), rad/s
   std::vector<Quat> qHalf;         ///< orientation at the half step
   std::vector<Vec3> spinHalf;      ///< angular velocity at the half step, world axes, rad/s (for the spring increments)
   std::vector<Vec3> acceleration;  ///< of the last step, world axes, m/s^2
-  std::vector<Vec3> alpha;         ///< angular acceleration of the last step, body axes, rad/s^2
+  std::vector<Vec3> alpha;         ///< angular acceleration of the last step, axes as of wHalf, rad/s^2
   std::vector<Frame> frame;        ///< x and the matrix of q, for the kernels
   std::vector<Vec3> force, torque;  ///< gathered, world axes; torque about the centre of mass
   std::vector<double> travel;       ///< path length of the fastest surface point so far (a bound), m
@@ -66,6 +66,9 @@ struct Bodies {
   std::vector<std::int64_t> id;  ///< stable, unique
   std::vector<BodyState> state;
   std::vector<Locks> locks;
+  /// Balls look the same from all sides and turn as easily about any axis: their spins need no orientation.
+  enum class Turning : std::uint8_t { byScheme, ballWithOrientation, ball };
+  std::vector<Turning> turning;  ///< of a ball without orientation q stays 1
 
   std::size_t size() const { return x.size(); }
   bool moves(std::size_t i) const { return state[i] == BodyState::moving; }
@@ -73,7 +76,15 @@ struct Bodies {
   bool anyLocked() const { return someLocked; }
   /// Slots of the bodies that move, ascending: the stages of motion cost nothing for the others. Listed anew by the
   /// first call after bodies came, went, or changed their state, which must not come from several threads at once.
-  const std::vector<std::int32_t>& movingSlots() const;
+  const std::vector<std::int32_t>& movingSlots() const { return listMoving().all; }
+  /// Of those the ones that turn by a scheme, the balls, and the balls whose orientation is followed.
+  const std::vector<std::int32_t>& schemeSlots() const { return listMoving().byScheme; }
+  const std::vector<std::int32_t>& ballSlots() const { return listMoving().balls; }
+  const std::vector<std::int32_t>& orientedBallSlots() const { return listMoving().orientedBalls; }
+
+  bool isBall(std::size_t i) const { return turning[i] != Turning::byScheme; }
+  /// Of slot i: a spin in the axes of wHalf, in world axes at t_n.
+  Vec3 spinToWorld(std::size_t i, const Vec3& spin) const { return isBall(i) ? spin : frame[i].rotate(spin); }
 
   /// Of slot i, J: with a velocity in world axes and a spin in body axes, and with those at t_n.
   double kineticEnergy(std::size_t i, const Vec3& velocity, const Vec3& bodySpin) const {
@@ -83,6 +94,10 @@ struct Bodies {
 
   /// Appends a body; returns its slot. The half steps are started by the integrator.
   std::size_t add(const NewBody& body, const Shape& bodyShape);
+
+  /// From now on the body in this slot turns as a ball, if it is one; keepsOrientation: and somebody follows how it
+  /// lies.
+  void turnAsBall(std::size_t i, bool keepsOrientation);
 
   /// Takes a body out of the motion: no velocity, infinite mass, until release() gives them back.
   void hold(std::size_t i, BodyState as);
@@ -119,11 +134,15 @@ struct Bodies {
     visit("locks", locks);
   }
 
-  /// Rebuilds what follows from the state: frames, shape pointers, bounding radii.
+  /// Rebuilds what follows from the state: frames, shape pointers, bounding radii. No body is a ball then.
   void restoreDerived(const ShapeTable& shapes);
 
  private:
-  mutable std::vector<std::int32_t> listed;  // of movingSlots()
+  struct MovingList {
+    std::vector<std::int32_t> all, byScheme, balls, orientedBalls;
+  };
+  const MovingList& listMoving() const;
+  mutable MovingList listed;
   mutable bool listStale = true;
   bool someLocked = false;
 };

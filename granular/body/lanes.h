@@ -28,6 +28,7 @@ class OneBody {
   void write(const Quadruple<double>& q, const Triple<double>& x, std::vector<Frame>& column) const {
     column[i] = Frame(toQuat(q).toRotationMatrix(), toVec3(x));
   }
+  void writePosition(const Triple<double>& x, std::vector<Frame>& column) const { column[i].x = toVec3(x); }
 
  private:
   std::size_t i;
@@ -77,6 +78,13 @@ class WideBodies {
       storeRows(Quadruple<Wide>{R[1].y, R[1].z, R[2].x, R[2].y}, 12, rows + 4);
       storeRows(Quadruple<Wide>{R[2].z, x.x, x.y, x.z}, 12, rows + 8);
     });
+  }
+  void writePosition(const Triple<Wide>& x, std::vector<Frame>& column) const {
+    double rows[3 * count];
+    storeRows(x, rows);
+    for (std::size_t k = 0; k < count; ++k) {
+      std::memcpy(column[at(k)].x.data(), rows + 3 * k, 3 * sizeof(double));
+    }
   }
 
  private:

@@ -33,4 +33,11 @@ void shareOutEvenly(std::size_t count, bool worthwhile, Work&& work) {
   for (std::int64_t k = 0; k < n; ++k) work(static_cast<std::size_t>(k));
 }
 
+/// A thread's own: large, and kept from call to call.
+template <class Thing>
+Thing& ownOfThread() {
+  thread_local Thing thing{};
+  return thing;
+}
+
 }  // namespace granular

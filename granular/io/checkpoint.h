@@ -13,7 +13,7 @@
 namespace granular {
 
 /// Version of the file format; a file of another version is refused.
-inline constexpr int checkpointVersion = 10;
+inline constexpr int checkpointVersion = 11;
 
 /// Writes folder/checkpoint.h5; what had that name becomes folder/checkpoint_previous.h5. Throws InputError with the
 /// reason if the file can't be written whole, for instance on a full disk; then both are as they were.

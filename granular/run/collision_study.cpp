@@ -111,7 +111,8 @@ Motion measureMotion(const World& world) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Vec3 spin = bodies.inertia[i].cwiseProduct(bodies.wHalf[i]);
     motion.energy += 0.5 * (bodies.mass[i] * bodies.vHalf[i].squaredNorm() + spin.dot(bodies.wHalf[i]));
-    motion.angular += bodies.mass[i] * bodies.x[i].cross(bodies.vHalf[i]) + bodies.qHalf[i] * spin;
+    motion.angular += bodies.mass[i] * bodies.x[i].cross(bodies.vHalf[i]);
+    motion.angular += bodies.isBall(i) ? spin : Vec3(bodies.qHalf[i] * spin);
   }
   return motion;
 }

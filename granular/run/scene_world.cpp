@@ -63,6 +63,7 @@ WorldOptions makeOptions(const Scene& scene) {
   options.skips.search = skips(scene, "broad_phase");
   options.skips.separation = skips(scene, "gjk");
   options.skips.feature = skips(scene, "epa");
+  options.skips.orientation = skips(scene, "orientation");
   options.sleep.on = scene.settle.kind == SettleSettings::Kind::sleep && skips(scene, "sleep");
   require(!options.sleep.on || options.rule.rule != PointRule::manifold,
           scene.file.string() +
@@ -206,6 +207,7 @@ std::string describeSkips(const Scene& scene) {
   say("broad_phase", "until a surface has used up its skin");
   say("gjk", "while a proven gap is not used up");
   say("epa", "while the last feature is verified to be the answer");
+  say("orientation", "of balls, which spin but keep q = 1");
   parts.push_back(scene.settle.kind != SettleSettings::Kind::sleep ? "sleep: not asked for"
                   : skips(scene, "sleep")                          ? "sleep: bodies at rest, until their force changes"
                                                                    : "sleep: off");

@@ -469,6 +469,7 @@ void describe(Archive& archive, World& world) {
   if (!archive.loading()) return;
   checkLoaded(world);
   world.bodies.restoreDerived(world.shapes);
+  world.findBalls(0);
   world.search.restoreBoxes(world.bodies);
   world.chunks.clear();
   layOutContacts(world);

@@ -82,7 +82,8 @@ void Search::placeBounds(const Bodies& bodies, double dt, double wallTravel) {
     // Bodies that have used less than half of their margin keep their box.
     const double used = bodies.travel[i] + wallTravel - (i < known ? travelAtPlace[i] : 0);
     if (i < known && used <= 0.5 * margins[i] && !settings.everyStep) continue;
-    const double speed = bodies.vHalf[i].norm() + bodies.boundingRadius[i] * bodies.wHalf[i].norm();
+    const double turning = bodies.isBall(i) ? 0 : bodies.boundingRadius[i] * bodies.wHalf[i].norm();
+    const double speed = bodies.vHalf[i].norm() + turning;
     margins[i] = settings.skin * bodies.shape[i]->size() + settings.lookAhead * dt * speed;
     travelAtPlace[i] = bodies.travel[i] + wallTravel;
     boxes[i] = bodies.shape[i]->bounds(bodies.frame[i]).grown(margins[i]);

@@ -43,6 +43,8 @@ class Shape {
   double boundingRadius() const { return outerRadius; }
   /// Radius of a ball about the centre of mass that lies inside, m.
   double innerRadius() const { return insideRadius; }
+  /// True for a ball about the centre of mass: it looks the same however it lies.
+  bool isRound() const { return insideRadius == outerRadius; }
   /// Radius of the sphere of equal volume, m: the "size" of every relative measure.
   double size() const { return equalVolumeRadius; }
   /// Longest extent over all directions, m (beds are measured in it).

@@ -20,6 +20,7 @@ struct Plane {
   double depth(const Vec3& p) const { return offset - normal.dot(p); }
   /// The deepest point of the placed shape, world axes.
   Vec3 deepest(const Shape& shape, const Frame& frame) const {
+    if (shape.isRound()) return frame.x - shape.boundingRadius() * normal;  // however it lies, to the bit
     return frame.toWorld(shape.support(frame.unrotate(-normal)));
   }
 };

@@ -78,13 +78,12 @@ class BallLooks {
     batch.begin(dt, of);
   }
 
-  /// Looks at one pair; how many contacts it has.
+  /// Looks at a pair that is due; how many contacts it has.
   std::size_t take(std::int32_t index) {
     const Bodies& bodies = world.bodies;
     Pair& pair = world.pairs.pairs[at(index)];
     const std::size_t a = at(pair.a), b = at(pair.b);
     const double travel = bodies.travel[a] + bodies.travel[b];
-    if (isQuiet(world, pair)) return 0;  // holds no contact either
     const bool ofClump = world.anyClump && (asClump(*bodies.shape[a]) || asClump(*bodies.shape[b]));
     forgetHeld(pair, ofClump);
     return ofClump ? lookAtChildren(index, travel, pair) : lookAtSpheres(index, travel, pair);
@@ -182,11 +181,15 @@ void makeBallContacts(double dt, std::size_t c, World& world) {
   World::Chunk& chunk = world.chunks[c];
   startChunk(chunk);
   BallLooks looks(dt, world, chunk);
-  const Range range = chunkRange(c, world.activePairs.size());
-  for (std::size_t p = range.first; p < range.last; ++p) {
-    const std::size_t before = looks.count(), found = looks.take(world.activePairs[p]);
-    world.contactsOfPair[p] = {static_cast<std::int32_t>(before), static_cast<std::int32_t>(found)};
-  }
+  const PairMemory& memory = world.pairs.memory;
+  const auto fetch = [&](const Pair& pair) {
+    if (at(pair.slot) < memory.clumps.size()) __builtin_prefetch(&memory.clumps[at(pair.slot)]);
+    __builtin_prefetch(&world.bodies.frame[at(pair.b)]);
+  };
+  takeDue(world, c, fetch, [&](std::size_t position) {
+    const std::size_t before = looks.count(), found = looks.take(world.activePairs[position]);
+    world.contactsOfPair[position] = {static_cast<std::int32_t>(before), static_cast<std::int32_t>(found)};
+  });
   looks.finish();
 }
 

@@ -4,17 +4,11 @@
 
 #include <array>
 
+#include "granular/core/share_out.h"
 #include "granular/law/contact_lanes.h"
 #include "granular/world/world.h"
 
 namespace granular {
-
-/// A thread's own: large, and kept from call to call.
-template <class Thing>
-Thing& ownOfThread() {
-  thread_local Thing thing{};
-  return thing;
-}
 
 /// A batch of contacts.
 struct BriefBatch {

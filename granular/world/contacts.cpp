@@ -370,6 +370,8 @@ void layOutContacts(World& world) {
         atWalls ? chooseLooksAtWalls(world, chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()))
                 : chooseLooks(world, range);
   }
+  world.pairWay = 0;
+  world.quietWay.assign(world.activePairs.size(), -infinity);
   world.contactsOfPair.resize(world.activePairs.size() + world.activeWallPairs.size());
   world.layoutStale = false;
 }

@@ -15,8 +15,8 @@ PointKick followPoint(const World& world, std::size_t i, const Vec3& arm) {
   const Bodies& bodies = world.bodies;
   if (!bodies.moves(i)) return {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   PointKick kick;
-  kick.spinBefore = bodies.frame[i].rotate(world.spinBefore[i]);
-  kick.spinAfter = bodies.frame[i].rotate(bodies.wHalf[i]);
+  kick.spinBefore = bodies.spinToWorld(i, world.spinBefore[i]);
+  kick.spinAfter = bodies.spinToWorld(i, bodies.wHalf[i]);
   kick.before = world.velocityBefore[i] + kick.spinBefore.cross(arm);
   kick.after = bodies.vHalf[i] + kick.spinAfter.cross(arm);
   return kick;

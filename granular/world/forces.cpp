@@ -17,7 +17,9 @@ ContactBody viewBody(const Bodies& bodies, std::size_t i, const Vec3& arm, bool 
   body.inverseMass = bodies.inverseMass[i];
   body.radiusRatio = bodies.radiusRatio[i];
   body.arm = arm;
-  if (readsInertia) {
+  if (readsInertia && bodies.isBall(i)) {
+    body.inverseInertia = bodies.inverseInertia[i].asDiagonal();
+  } else if (readsInertia) {
     const Mat3& R = bodies.frame[i].R;
     body.inverseInertia = R * bodies.inverseInertia[i].asDiagonal() * R.transpose();
   }

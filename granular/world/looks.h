@@ -25,25 +25,44 @@ struct Look {
   Frame frameB;  ///< next to A
 };
 
+/// How much further both bodies of a pair must move until a gap between them that was proven can have closed, m; 0 or
+/// less: it may have.
+inline double gapLeft(const World& world, const Pair& pair) {
+  const std::vector<double>& travel = world.bodies.travel;
+  return pair.quietUntil - (travel[static_cast<std::size_t>(pair.a)] + travel[static_cast<std::size_t>(pair.b)]);
+}
 /// True if the pair was proven apart by a gap that cannot have closed yet.
 inline bool isQuiet(const World& world, const Pair& pair) {
-  const std::vector<double>& travel = world.bodies.travel;
-  return world.options.skips.separation &&
-         travel[static_cast<std::size_t>(pair.a)] + travel[static_cast<std::size_t>(pair.b)] < pair.quietUntil;
+  return world.options.skips.separation && gapLeft(world, pair) > 0;
 }
-/// Lists which of these active pairs need a look, without a branch, which would be foretold badly; returns
-/// how many. Those that need none have no contact. list: room for all of them.
+/// Lists which of these active pairs need a look, without branches, which would be foretold badly; returns how many.
+/// Those that need none have no contact. list: room for all of them.
 inline std::size_t listDue(World& world, Range range, std::size_t* list) {
-  const auto pairAt = [&](std::size_t p) -> const Pair& {
-    return world.pairs.pairs[static_cast<std::size_t>(world.activePairs[p])];
-  };
-  std::size_t count = 0;
+  const std::size_t all = world.activePairs.size();
+  const std::int32_t* active = world.activePairs.data();
+  const Pair* pairs = world.pairs.pairs.data();
+  const double way = world.pairWay;
+  double* quietWay = world.quietWay.data();
+  // Most are known to be quiet for as long as the fastest body needs; of the others the bodies are asked. A large bed's
+  // pairs are not near: those of the next chunk come while this one is worked on.
+  std::size_t asked = 0;
   for (std::size_t p = range.first; p < range.last; ++p) {
-    // A large bed's list is not near: the next chunk's part of it comes while this chunk is worked on.
-    if (p + World::chunkSize < world.activePairs.size()) __builtin_prefetch(&pairAt(p + World::chunkSize));
-    list[count] = p;
-    count += !isQuiet(world, pairAt(p));
+    const std::size_t later = std::min(p + World::chunkSize, all - 1);
+    const std::int32_t mask = -static_cast<std::int32_t>(!(way < quietWay[later]));
+    __builtin_prefetch(&pairs[active[later] & mask]);  // the first pair stands for none
+    list[asked] = p;
+    asked += !(way < quietWay[p]);
+  }
+  const bool skips = world.options.skips.separation;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < asked; ++k) {
+    const std::size_t p = list[k];
+    const double left = gapLeft(world, pairs[active[p]]);
+    const bool quiet = skips && left > 0;
+    quietWay[p] = quiet ? way + left : -infinity;
     world.contactsOfPair[p] = {};
+    list[count] = p;
+    count += !quiet;
   }
   return count;
 }

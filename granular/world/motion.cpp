@@ -7,9 +7,35 @@
 namespace granular {
 namespace {
 
-/// State at t_{n+1} of the bodies in a place (body/lanes.h).
+/// The largest of the ways (>= 0, m) that threads find.
+class LargestWay {
+ public:
+  LargestWay() : of(ownOfThread<std::vector<OfThread>>()) {
+    of.assign(static_cast<std::size_t>(omp_get_max_threads()), OfThread{});
+  }
+  void take(double way) { mine().one = larger(mine().one, way); }
+  void take(const Wide& ways) { mine().several = larger(mine().several, ways); }
+  double get() const {
+    double largest = 0;
+    for (const OfThread& found : of) {
+      largest = larger(largest, found.one);
+      for (std::size_t k = 0; k < wideSize; ++k) largest = larger(largest, found.several[k]);
+    }
+    return largest;
+  }
+
+ private:
+  struct alignas(64) OfThread {
+    Wide several{};
+    double one = 0;
+  };
+  OfThread& mine() { return of[static_cast<std::size_t>(omp_get_thread_num())]; }
+  std::vector<OfThread>& of;
+};
+
+/// State at t_{n+1} of the bodies in a place (body/lanes.h). Returns a bound on the way of each one's surface, m.
 template <class Scheme, class Place>
-void predictBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies) {
+typename Place::Real predictBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
   const HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
   const Triple<Real> vHalf = place.read(bodies.vHalf);
@@ -26,6 +52,35 @@ void predictBodies(double dt, const Scheme& scheme, const Place& place, Bodies& 
   place.write(next.q, bodies.q);
   place.write(next.w, bodies.w);
   place.write(next.q, x, bodies.frame);
+  return way;
+}
+
+/// The same for balls: their spins are in world axes, and a turn moves no surface.
+template <class Place>
+typename Place::Real predictBalls(double dt, const Place& place, Bodies& bodies) {
+  using Real = typename Place::Real;
+  const Triple<Real> vHalf = place.read(bodies.vHalf), wHalf = place.read(bodies.wHalf);
+  Triple<Real> x = place.read(bodies.x), v;
+  predictTranslation(dt, vHalf, place.read(bodies.acceleration), x, v);
+  const Real way = dt * vHalf.norm();
+  place.write(place.read(bodies.travel) + way, bodies.travel);
+  place.write(x, bodies.x);
+  place.write(v, bodies.v);
+  place.write(wHalf, bodies.spinHalf);
+  place.write(wHalf + 0.5 * dt * place.read(bodies.alpha), bodies.w);
+  place.writePosition(x, bodies.frame);
+  return way;
+}
+
+/// How balls lie at t_{n+1}, for those who ask.
+template <class Place>
+void turnBalls(double dt, const Place& place, Bodies& bodies) {
+  using Real = typename Place::Real;
+  Quadruple<Real> q = rotateByStep(dt * place.read(bodies.wHalf)) * place.read(bodies.q);
+  keepUnit(q);
+  place.write(q, bodies.q);
+  place.write(q, bodies.qHalf);
+  place.write(q, place.read(bodies.x), bodies.frame);
 }
 
 /// Memory of the next half step of the bodies in a place.
@@ -43,6 +98,21 @@ void advanceBodies(double dt, const Scheme& scheme, const Place& place, Bodies& 
   place.write(half.q, bodies.qHalf);
   place.write(half.w, bodies.wHalf);
   place.write(half.alpha, bodies.alpha);
+}
+
+/// The same for balls.
+template <class Place>
+void advanceBalls(double dt, const Place& place, Bodies& bodies) {
+  using Real = typename Place::Real;
+  const Triple<Real> acceleration = place.read(bodies.inverseMass) * place.read(bodies.force);
+  const Triple<Real> alpha = place.read(bodies.inverseInertia).times(place.read(bodies.torque));
+  Triple<Real> vHalf = place.read(bodies.vHalf), wHalf = place.read(bodies.wHalf);
+  advanceTranslation(dt, acceleration, vHalf);
+  advanceTranslation(dt, alpha, wHalf);
+  place.write(acceleration, bodies.acceleration);
+  place.write(vHalf, bodies.vHalf);
+  place.write(wHalf, bodies.wHalf);
+  place.write(alpha, bodies.alpha);
 }
 
 /// A row of the table as a scheme, for one body at a time.
@@ -65,11 +135,11 @@ struct SchemeOfRow {
   }
 };
 
-/// Calls visit(scheme, place) for the places of all moving bodies: whole registers of them, and those left over one by
-/// one; all one by one for a scheme of the user's own.
+/// Calls visit(scheme, place) for the places of all moving bodies that turn by a scheme: whole registers of them, and
+/// those left over one by one; all one by one for a scheme of the user's own.
 template <class Visitor>
-void visitMoving(const WorldOptions& options, const Bodies& bodies, const Visitor& visit) {
-  const std::vector<std::int32_t>& moving = bodies.movingSlots();
+void visitByScheme(const WorldOptions& options, const Bodies& bodies, const Visitor& visit) {
+  const std::vector<std::int32_t>& moving = bodies.schemeSlots();
   const bool worthwhile = moving.size() >= bodiesForThreads;
   const auto visitAll = [&](const auto& scheme) {
     visitBodies(moving, options.noBatches, worthwhile, [&](const auto& place) { visit(scheme, place); });
@@ -84,6 +154,12 @@ void visitMoving(const WorldOptions& options, const Bodies& bodies, const Visito
       shareOutEvenly(moving.size(), worthwhile,
                      [&](std::size_t k) { visit(scheme, OneBody(static_cast<std::size_t>(moving[k]))); });
   }
+}
+
+/// Calls visit(place) for the places of these balls.
+template <class Visitor>
+void visitBalls(const WorldOptions& options, const std::vector<std::int32_t>& balls, const Visitor& visit) {
+  visitBodies(balls, options.noBatches, balls.size() >= bodiesForThreads, visit);
 }
 
 /// The largest distance of any body's surface from the axis of a turning wall: further out no part of it is met.
@@ -161,14 +237,19 @@ void moveWalls(double dt, World& world) {
   wakeNearMovingWalls(world);
 }
 
-void predict(double dt, const WorldOptions& options, Bodies& bodies) {
-  visitMoving(options, bodies,
-              [&](const auto& scheme, const auto& place) { predictBodies(dt, scheme, place, bodies); });
+double predict(double dt, const WorldOptions& options, Bodies& bodies) {
+  LargestWay largest;
+  visitByScheme(options, bodies,
+                [&](const auto& scheme, const auto& place) { largest.take(predictBodies(dt, scheme, place, bodies)); });
+  visitBalls(options, bodies.ballSlots(), [&](const auto& place) { largest.take(predictBalls(dt, place, bodies)); });
+  visitBalls(options, bodies.orientedBallSlots(), [&](const auto& place) { turnBalls(dt, place, bodies); });
+  return largest.get();
 }
 
 void advance(double dt, const WorldOptions& options, Bodies& bodies) {
-  visitMoving(options, bodies,
-              [&](const auto& scheme, const auto& place) { advanceBodies(dt, scheme, place, bodies); });
+  visitByScheme(options, bodies,
+                [&](const auto& scheme, const auto& place) { advanceBodies(dt, scheme, place, bodies); });
+  visitBalls(options, bodies.ballSlots(), [&](const auto& place) { advanceBalls(dt, place, bodies); });
 }
 
 // With rotation locked about some world axes, Euler's equation holds along the others alone: the angular acceleration
@@ -183,6 +264,11 @@ void applyLocks(std::size_t first, Bodies& bodies) {
     if (locks == 0 || i < first) continue;
     bodies.force[i] = freeTranslation(locks, bodies.force[i]);
     if (locks < lockRotation(0)) continue;
+    if (bodies.isBall(i)) {
+      bodies.torque[i] = freeRotation(locks, bodies.torque[i]);
+      bodies.wHalf[i] = freeRotation(locks, bodies.wHalf[i]);
+      continue;
+    }
     const Mat3& R = bodies.frame[i].R;
     const Mat3 inertia = R * bodies.inertia[i].asDiagonal() * R.transpose();
     const Vec3 gyroscopic = bodies.w[i].cross(inertia * bodies.w[i]);
@@ -245,6 +331,12 @@ void startHalfSteps(World& world, double dt, std::size_t first, bool withContact
     if (!bodies.moves(i)) continue;
     bodies.acceleration[i] = bodies.inverseMass[i] * bodies.force[i];
     startTranslation(dt, bodies.acceleration[i], bodies.v[i], bodies.vHalf[i]);
+    if (bodies.isBall(i)) {
+      bodies.alpha[i] = bodies.inverseInertia[i].cwiseProduct(bodies.torque[i]);
+      startTranslation(dt, bodies.alpha[i], bodies.w[i], bodies.wHalf[i]);
+      bodies.spinHalf[i] = bodies.wHalf[i];
+      continue;
+    }
     scheme.start(dt, bodies.inertia[i], bodies.inverseInertia[i], bodies.torque[i], bodies.q[i], bodies.w[i],
                  {bodies.qHalf[i], bodies.wHalf[i], bodies.alpha[i]});
     bodies.spinHalf[i] = bodies.qHalf[i] * bodies.wHalf[i];

@@ -84,7 +84,7 @@ void step(World& world, double dt) {
   LapTimer timer(isTimed(world), world.report);
   moveWalls(dt, world);
   timer.lap(Stage::walls);
-  predict(dt, world.options, world.bodies);  // x, q, v, w at t_{n+1}
+  world.pairWay += 2 * predict(dt, world.options, world.bodies);  // x, q, v, w at t_{n+1}
   timer.lap(Stage::predict);
   refreshPairs(dt, world);  // only after the skin is used up
   timer.lap(Stage::search);

@@ -51,7 +51,16 @@ std::int32_t World::addShape(std::shared_ptr<const Shape> shape) {
 
 std::size_t World::addBody(NewBody body) {
   body.id = nextId++;
-  return bodies.add(body, *shapes[static_cast<std::size_t>(body.shapeIndex)]);
+  const std::size_t slot = bodies.add(body, *shapes[static_cast<std::size_t>(body.shapeIndex)]);
+  findBalls(slot);
+  if (bodies.isBall(slot)) bodies.wHalf[slot] = bodies.w[slot];
+  return slot;
+}
+
+void World::findBalls(std::size_t first) {
+  // A scheme of the user's own turns all bodies.
+  if (options.integrator != SchemeKind::seelen && options.integrator != SchemeKind::spiral) return;
+  for (std::size_t i = first; i < bodies.size(); ++i) bodies.turnAsBall(i, !options.skips.orientation);
 }
 
 namespace {

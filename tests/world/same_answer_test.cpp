@@ -68,6 +68,7 @@ const auto asItIs = [](WorldOptions&) {};
 const auto searchEveryStep = [](WorldOptions& o) { o.skips.search = false; };
 const auto lookAtEveryPair = [](WorldOptions& o) { o.skips.separation = false; };
 const auto searchFromNothing = [](WorldOptions& o) { o.skips.feature = false; };
+const auto followOrientations = [](WorldOptions& o) { o.skips.orientation = false; };
 const auto oneByOne = [](WorldOptions& o) { o.noBatches = true; };
 const auto everyPairWithEveryOther = [](WorldOptions& o) { o.bruteForce = true; };
 
@@ -86,6 +87,27 @@ TEST(SameAnswer, OfSpheresWhateverIsLeftOut) {
     EXPECT_EQ(hashState(runWith(change, 2500, true)->bodies), hashState(reference->bodies));
 }
 
+TEST(SameAnswer, OfSpheresWhetherSomebodyFollowsHowTheyLieOrNot) {
+  for (const bool localMass : {false, true}) {
+    const auto with = [&](bool orientation) {
+      return runWith(
+          [&](WorldOptions& o) {
+            o.skips.orientation = !orientation;
+            o.lawOptions.localMass = localMass;
+          },
+          2500, true);
+    };
+    const auto left = with(false), followed = with(true);
+    EXPECT_GT(left->report.contactSteps, 5000u);
+    for (std::size_t i = 0; i < left->bodies.size(); ++i) {
+      EXPECT_EQ(left->bodies.x[i], followed->bodies.x[i]);
+      EXPECT_EQ(left->bodies.w[i], followed->bodies.w[i]);
+      EXPECT_EQ(left->bodies.frame[i].R, Mat3::Identity());
+      EXPECT_NE(followed->bodies.frame[i].R, Mat3::Identity());
+    }
+  }
+}
+
 TEST(SameAnswer, OfEveryFamilyWithinWhatOverlapsAreCertifiedToWhateverIsLeftOut) {
   // Where a search begins is what the pair remembers. Overlaps of round bodies with edges are certified to 1e-9 of the
   // size: an error that a contact keeps for a time T moves a body of mass m by up to k T^2/(2 m) times as far. After
@@ -94,8 +116,8 @@ TEST(SameAnswer, OfEveryFamilyWithinWhatOverlapsAreCertifiedToWhateverIsLeftOut)
   const double size = 1.4e-3, time = steps * 1e-5, stiffness = 2e3;
   const auto reference = runWith(asItIs, steps);
   EXPECT_GT(reference->report.contactSteps, 500u);
-  for (const auto& change :
-       std::vector<std::function<void(WorldOptions&)>>{searchEveryStep, lookAtEveryPair, searchFromNothing}) {
+  for (const auto& change : std::vector<std::function<void(WorldOptions&)>>{searchEveryStep, lookAtEveryPair,
+                                                                            searchFromNothing, followOrientations}) {
     const auto world = runWith(change, steps);
     for (std::size_t i = 0; i < reference->bodies.size(); ++i) {
       const double limit = 1e-9 * size * (1 + stiffness * time * time / (2 * reference->bodies.mass[i]));
