@@ -92,6 +92,7 @@ double spacingOf(const Family& family, const ShapeSet& shapes) {
 /// random.
 void addLattice(int count, int perSide, double pitch, double bottom, Random& random, World& world) {
   const double half = 0.5 * pitch * perSide;
+  world.bodies.reserve(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) {
     const int column = k % perSide, row = k / perSide % perSide, layer = k / (perSide * perSide);
     NewBody body;
@@ -163,6 +164,7 @@ std::unique_ptr<World> repeatPatch(const World& patch, int repeats, WorldOptions
   options.periods.origin = patch.options.periods.origin;
   std::unique_ptr<World> world = makeWorld(options, patch.shapes);
   world->walls.push_back(makePlaneWall(Vec3::Zero(), Vec3::UnitZ()));
+  world->bodies.reserve(static_cast<std::size_t>(repeats * repeats) * patch.bodies.size());
   for (int tile = 0; tile < repeats * repeats; ++tile) {
     const int column = tile % repeats, row = tile / repeats;
     const Vec3 shift(column * period.x(), row * period.y(), 0);

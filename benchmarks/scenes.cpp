@@ -12,6 +12,7 @@
 #include "demos/exit_code.h"
 #include "dense_beds.h"
 #include "granular/core/errors.h"
+#include "granular/core/instruction_set.h"
 #include "heap_count.h"
 
 namespace {
@@ -32,17 +33,6 @@ struct Settings {
   int repeats = 3;   ///< of which the fastest counts
   double dt = 2e-6;  ///< s
 };
-
-/// What the compiler was allowed to use.
-const char* instructionSet() {
-#if defined(__AVX512F__)
-  return "AVX-512";
-#elif defined(__AVX2__)
-  return "AVX2";
-#else
-  return "x86-64";
-#endif
-}
 
 /// The processor time of this process where one thread works, so that other work on the machine counts little;
 /// otherwise the time that passed. s.

@@ -1,4 +1,4 @@
-# cmake --install: the static library, its public headers, and a package that find_package(granular) reads.
+# cmake --install: the library, its public headers, and a package that find_package(granular) reads.
 include(CMakePackageConfigHelpers)
 
 # A static library hands its own dependencies on to the linker of whoever uses it: they are exported along with it.
@@ -8,7 +8,8 @@ foreach(dependency ${dependencies})
   set_target_properties(granular_${dependency} PROPERTIES EXPORT_NAME ${dependency})
   install(TARGETS granular_${dependency} EXPORT granularTargets)
 endforeach()
-install(TARGETS granular EXPORT granularTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS granular EXPORT granularTargets
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT granularTargets NAMESPACE granular:: DESTINATION ${packageDir})
 
 # Headers named bullet_* need Bullet's own headers and stay inside.

@@ -2,6 +2,14 @@
 
 namespace granular {
 
+void Bodies::reserve(std::size_t count) {
+  visitState([&](const char*, auto& column) { column.reserve(count); });
+  frame.reserve(count);
+  boundingRadius.reserve(count);
+  shape.reserve(count);
+  turning.reserve(count);
+}
+
 std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape) {
   const MassProperties& unit = bodyShape.massProperties();
   x.push_back(body.pose.x);

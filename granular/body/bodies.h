@@ -92,6 +92,8 @@ struct Bodies {
   }
   double kineticEnergy(std::size_t i) const { return kineticEnergy(i, v[i], frame[i].unrotate(w[i])); }
 
+  /// Makes room for so many bodies in all.
+  void reserve(std::size_t count);
   /// Appends a body; returns its slot. The half steps are started by the integrator.
   std::size_t add(const NewBody& body, const Shape& bodyShape);
 

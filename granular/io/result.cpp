@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "granular/core/instruction_set.h"
 #include "granular/io/output_file.h"
 
 namespace granular {
@@ -59,6 +60,7 @@ std::string formatResult(const RunResult& r) {
   json["stage_s"] = object(r.stageTimes);
   json["counters"] = object(r.more);
   json["skipped"] = r.skipped;
+  json["instruction_set"] = instructionSet();
   json["notes"] = r.notes;
   Json quantities = Json::object();
   for (const Quantity& q : r.quantities)

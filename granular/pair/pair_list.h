@@ -58,28 +58,34 @@ struct ClumpMemory {
 
 /// Memory of pairs, one slot each; freed slots are used again.
 struct PairMemory {
-  std::vector<WarmCache> cache;
   std::vector<ContactHistory> history;
-  std::vector<Contact> held;  ///< the last contact of a pair at rest (a < 0: none); empty unless bodies sleep
+  std::vector<WarmCache> cache;  ///< empty, or shorter than history, where batches of balls keep none
+  std::vector<Contact> held;     ///< the last contact of a pair at rest (a < 0: none); empty unless bodies sleep
   std::vector<ManifoldMemory> manifolds;  ///< empty unless the rule is `manifold`
   std::vector<ClumpMemory> clumps;        ///< empty unless there are clumps
   std::vector<SpringEnergy> energy;       ///< of the springs; empty unless an energy ledger is kept
   std::vector<std::int32_t> free;
 
+  /// Makes room for so many slots, and some more: less than vectors take by themselves.
+  void reserve(std::size_t slots) {
+    if (slots > history.capacity()) history.reserve(slots + slots / 8);
+  }
+  /// How many slots there are.
+  std::size_t size() const { return history.size(); }
   std::int32_t take() {
     if (free.empty()) {
-      cache.emplace_back();
       history.emplace_back();
-      return static_cast<std::int32_t>(cache.size()) - 1;
+      return static_cast<std::int32_t>(size()) - 1;
     }
     const std::int32_t slot = free.back();
     free.pop_back();
-    cache[static_cast<std::size_t>(slot)] = WarmCache{};
-    history[static_cast<std::size_t>(slot)] = ContactHistory{};
-    if (static_cast<std::size_t>(slot) < manifolds.size()) manifolds[static_cast<std::size_t>(slot)] = ManifoldMemory{};
-    if (static_cast<std::size_t>(slot) < clumps.size()) clumps[static_cast<std::size_t>(slot)] = ClumpMemory{};
-    if (static_cast<std::size_t>(slot) < energy.size()) energy[static_cast<std::size_t>(slot)] = SpringEnergy{};
-    if (static_cast<std::size_t>(slot) < held.size()) held[static_cast<std::size_t>(slot)].a = -1;
+    const auto k = static_cast<std::size_t>(slot);
+    history[k] = ContactHistory{};
+    if (k < cache.size()) cache[k] = WarmCache{};
+    if (k < manifolds.size()) manifolds[k] = ManifoldMemory{};
+    if (k < clumps.size()) clumps[k] = ClumpMemory{};
+    if (k < energy.size()) energy[k] = SpringEnergy{};
+    if (k < held.size()) held[k].a = -1;
     return slot;
   }
   void give(std::int32_t slot) { free.push_back(slot); }

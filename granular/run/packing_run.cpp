@@ -117,6 +117,7 @@ void PackingRun::makePour() {
   std::vector<const Wall*> walls;
   for (const auto& wall : state->walls) walls.push_back(wall.get());
   pour = std::make_unique<Inserter>(options, std::move(groups), makeRegion(settings), walls, settings.seed);
+  state->bodies.reserve(static_cast<std::size_t>(pour->count()));
 }
 
 void PackingRun::placePoses() {

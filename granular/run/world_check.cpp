@@ -116,13 +116,14 @@ void checkMemory(const World& world, const Pair& pair) {
   }
   const Shape& a = *world.shapes[at(world.bodies.shapeIndex[at(pair.a)])];
   const Shape& b = *world.shapes[at(world.bodies.shapeIndex[at(pair.b)])];
-  if (!cacheFits(memory.cache[slot], a, b)) refuse("memory names a feature that a shape lacks");
+  if (slot < memory.cache.size() && !cacheFits(memory.cache[slot], a, b))
+    refuse("memory names a feature that a shape lacks");
 }
 
 void checkPairs(const World& world) {
   const PairMemory& memory = world.pairs.memory;
-  const std::size_t slots = memory.cache.size(), n = world.bodies.size();
-  requireRows("memory/spring", memory.history.size(), slots);
+  const std::size_t slots = memory.size(), n = world.bodies.size();
+  requireAtMost("memory/kind", memory.cache.size(), slots);
   requireAtMost("memory/springs", memory.energy.size(), slots);
   requireAtMost("memory/held", memory.held.size(), slots);
   requireAtMost("memory/manifolds", memory.manifolds.size(), slots);

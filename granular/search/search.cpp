@@ -135,6 +135,7 @@ void Search::mergePairs(const Bodies& bodies, PairList& list) {
   // Candidates become pairs, lower id first.
   const auto n = static_cast<std::int32_t>(bodies.size());
   found.clear();
+  if (candidates.size() > found.capacity()) found.reserve(candidates.size() + candidates.size() / 8);
   for (const auto& [k, l] : candidates) {
     if (k >= n) continue;  // ghost against ghost: their bodies meet elsewhere
     Pair pair{k, l, -1, Image{0, 0, 0}, -infinity};
@@ -160,6 +161,7 @@ void Search::mergePairs(const Bodies& bodies, PairList& list) {
   const auto before = [&](const Pair& p, const Pair& q) { return keyOf(bodies, p) < keyOf(bodies, q); };
   std::sort(found.begin(), found.end(), before);
 
+  list.memory.reserve(found.size());
   // Old and new lists are both in key order: one pass carries the memory over.
   std::size_t old = 0;
   for (Pair& pair : found) {

@@ -114,7 +114,7 @@ void sumHeldForces(World& world) {
   world.heldForce.assign(bodies.size(), Vec3::Zero());
   world.heldTorque.assign(bodies.size(), Vec3::Zero());
   PairMemory& memory = world.pairs.memory;
-  memory.held.resize(memory.cache.size());
+  memory.held.resize(memory.size());
   std::int32_t index = -1;
   for (const Pair& pair : world.pairs.pairs) {
     ++index;
@@ -353,9 +353,9 @@ void refreshPairs(double dt, World& world) {
 
 void layOutContacts(World& world) {
   if (world.options.rule.rule == PointRule::manifold) {
-    world.pairs.memory.manifolds.resize(world.pairs.memory.cache.size());
+    world.pairs.memory.manifolds.resize(world.pairs.memory.size());
   }
-  if (world.anyClump) world.pairs.memory.clumps.resize(world.pairs.memory.cache.size());
+  if (world.anyClump) world.pairs.memory.clumps.resize(world.pairs.memory.size());
   listActivePairs(world);
   listIncidence(world);
   listGathered(world);
@@ -369,6 +369,13 @@ void layOutContacts(World& world) {
     world.chunks[c].find =
         atWalls ? chooseLooksAtWalls(world, chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()))
                 : chooseLooks(world, range);
+  }
+  const auto makesBalls = [](const World::Chunk& chunk) {
+    return chunk.make == makeSphereContacts || chunk.make == makeBallContacts;
+  };
+  if (!std::all_of(world.chunks.begin(), world.chunks.begin() + static_cast<std::ptrdiff_t>(world.wallChunkBegin),
+                   makesBalls)) {
+    world.pairs.memory.cache.resize(world.pairs.memory.size());
   }
   world.pairWay = 0;
   world.quietWay.assign(world.activePairs.size(), -infinity);
@@ -437,7 +444,7 @@ void holdContact(Contact& contact, World& world) {
     return;
   }
   auto& held = world.pairs.memory.held;
-  held.resize(world.pairs.memory.cache.size());
+  held.resize(world.pairs.memory.size());
   held[slot] = contact;
 }
 

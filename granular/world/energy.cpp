@@ -98,7 +98,7 @@ void rememberVelocities(World& world) {
 
 void keepLedger(double dt, World& world) {
   if (!world.options.energy) return;
-  world.pairs.memory.energy.resize(world.pairs.memory.cache.size());
+  world.pairs.memory.energy.resize(world.pairs.memory.size());
 
   // Contacts, in chunks.
   const auto chunks = static_cast<std::int64_t>(world.chunks.size());
