@@ -66,6 +66,8 @@ const std::vector<Family>& families() {
       {"clumps9", [](std::uint64_t) { return makeChain(9); }, 0.58},
       {"clumps17", [](std::uint64_t) { return makeChain(17); }, 0.58},
       {"resting", spheres, 0.6},
+      {"stirred", spheres, 0.6},
+      {"stirred_alone", spheres, 0.6},
       {"free_fall", spheres, 0.05},
       {"free_fall_cubes", cubes, 0.05},
       {"hopper", spheres, 0.5},
@@ -230,6 +232,41 @@ std::unique_ptr<World> makeHopper(const Family& family, const BedSettings& setti
   return world;
 }
 
+/// The patch repeated as often as a bed of settings.count bodies needs.
+std::unique_ptr<World> makeDenseBed(const Family& family, const BedSettings& settings, bool sleeps) {
+  constexpr double mostInPatch = 2000;
+  const int repeats = static_cast<int>(std::ceil(std::sqrt(settings.count / mostInPatch)));
+  const int inPatch = static_cast<int>(std::lround(static_cast<double>(settings.count) / (repeats * repeats)));
+  WorldOptions options = settings.options;
+  options.sleep.on = sleeps;
+  return repeatPatch(*makePatch(family, inPatch, settings), repeats, options);
+}
+
+/// A hundred spheres in layers that knock against each other for some milliseconds, above a bed that sleeps; alone:
+/// without the bed.
+std::unique_ptr<World> makeStirred(const Family& family, const BedSettings& settings, bool alone) {
+  constexpr double dt = 2e-6;
+  BedSettings calm = settings;
+  calm.options.sleep.energy = 1e-3;  // loose spheres rock for long
+  std::unique_ptr<World> world = makeDenseBed(family, calm, true);
+  startHalfSteps(*world, dt, 0, true);
+  for (int n = 0; n < 30000 && !world->bodies.movingSlots().empty(); ++n) step(*world, dt);
+  double top = 0;
+  for (const Vec3& x : world->bodies.x) top = std::max(top, x.z());
+  if (alone) world->removeBodies(std::vector<bool>(world->bodies.size(), true));
+  Random random(settings.seed);
+  const std::size_t first = world->bodies.size();
+  for (int k = 0; k < 100; ++k) {
+    NewBody body;
+    body.pose.x = diameter * Vec3(1.02 * (k % 7), 1.02 * (k / 7 % 7), top / diameter + 1.1 + 1.02 * (k / 49));
+    body.velocity = 0.05 * random.direction();
+    body.spin = 10 * random.direction();
+    world->addBody(body);
+  }
+  startHalfSteps(*world, dt, first, false);
+  return world;
+}
+
 }  // namespace
 
 std::vector<std::string> bedScenes() {
@@ -245,12 +282,10 @@ std::unique_ptr<World> makeBed(const BedSettings& settings) {
   require(settings.count >= 1, "count = " + std::to_string(settings.count) + ": must be >= 1");
   if (family->scene.starts_with("free_fall")) return makeFreeFall(*family, settings);
   if (family->scene == "hopper") return makeHopper(*family, settings);
-  constexpr double mostInPatch = 2000;
-  const int repeats = static_cast<int>(std::ceil(std::sqrt(settings.count / mostInPatch)));
-  const int inPatch = static_cast<int>(std::lround(static_cast<double>(settings.count) / (repeats * repeats)));
-  WorldOptions options = settings.options;
-  options.sleep.on = family->scene == "resting";
-  return repeatPatch(*makePatch(*family, inPatch, settings), repeats, options);
+  if (family->scene.starts_with("stirred")) {
+    return makeStirred(*family, settings, family->scene == "stirred_alone");
+  }
+  return makeDenseBed(*family, settings, family->scene == "resting");
 }
 
 std::unique_ptr<World> loadCubes(const std::string& path, const WorldOptions& options) {

@@ -1,5 +1,6 @@
 // Scenes for measuring whole steps, made from a seed alone: dense beds of one family of shapes on a floor, periodic
-// across; spheres in free fall; spheres that run out of a hopper; packed cubes from a file of poses.
+// across; a hundred spheres above a bed that sleeps; spheres in free fall; spheres that run out of a hopper; packed
+// cubes from a file of poses.
 //
 // A dense bed takes no pouring. Bodies are put on a lattice at the solid fraction of a bed, turned at random, so that
 // neighbours overlap; overdamped motion drives the overlaps out, and a hundredfold weight that is then taken off again
