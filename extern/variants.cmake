@@ -13,7 +13,7 @@ foreach(level v3 v4)
   foreach(property LINK_LIBRARIES INCLUDE_DIRECTORIES COMPILE_DEFINITIONS COMPILE_FEATURES LINK_OPTIONS VISIBILITY_INLINES_HIDDEN
       VERSION SOVERSION)
     get_target_property(value granular ${property})
-    if(value)
+    if(NOT value MATCHES "-NOTFOUND$")
       set_target_properties(${variant} PROPERTIES ${property} "${value}")
     endif()
   endforeach()
