@@ -142,7 +142,7 @@ void measurePart(const FacetQuery& f, SunkenSurface& surface, FacetPart& part) {
   if (surface.dimension() == 1) return;
   const double whole = surface.integrateWhole().area;
   part.sunken = cutOut(f, surface);
-  part.fraction = whole > 0 ? part.sunken.moments.area / whole : 0;
+  part.fraction = whole > 0 ? part.sunken.moments.area / whole : 1;
   part.overlap = std::max(part.overlap, part.sunken.deepest);
   if (part.sunken.isBroad()) part.middle = surface.view().lift(part.sunken.moments.centroidOfVolume(), 0);
 }
@@ -215,7 +215,9 @@ bool touchFacet(const MeshQuery& query, std::int32_t facet, std::span<const std:
   double fade = leastWeight(rims.least, part.overlap);
   // Beside the deepest point, only a flat face that is about as deep here as anywhere.
   if (!over) fade *= part.sunken.flatness() * leastWeight(part.overlap, rims.least);
-  if (!(fade > 0)) return false;
+  // A deepest point beyond a concave ridge may have all that is sunken over the neighbour.
+  const double fraction = entire ? 1 : part.fraction;
+  if (!(fade * fraction > 0)) return false;
   if (leavesSolid(f, part.middle + plane.depth(part.middle) * plane.normal, part.overlap)) return false;
 
   WallTouch& touch = out.touch;
@@ -226,7 +228,7 @@ bool touchFacet(const MeshQuery& query, std::int32_t facet, std::span<const std:
   else
     placePart(f, over, part, surface, touch.patch);
   out.part = facet;
-  out.claim.full = part.overlap * (entire ? 1 : part.fraction);
+  out.claim.full = part.overlap * fraction;
   out.claim.weight = fade * out.claim.full;
   out.broad = entire || part.sunken.isBroad();
   return true;

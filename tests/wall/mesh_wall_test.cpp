@@ -482,6 +482,57 @@ TEST(MeshWall, NearlyCoplanarFacetsAreOneFoundation) {
   }
 }
 
+/// A funnel as a closed solid, sides of a cone with as many corners: concave ridges between them inside, convex ones
+/// around the outlet at z = 0.
+TriangleMesh funnel(int around, double narrow, double wide, double height, double wall) {
+  TriangleMesh mesh;
+  for (const auto& [radius, z] : {std::pair{narrow, 0.0}, std::pair{wide, height}, std::pair{wide + wall, height},
+                                  std::pair{narrow + wall, 0.0}}) {
+    for (int k = 0; k < around; ++k) {
+      const double angle = 2 * pi * k / around;
+      mesh.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+    }
+  }
+  for (int ring = 0; ring < 4; ++ring) {
+    for (int k = 0; k < around; ++k) {
+      const int next = (k + 1) % around, up = (ring + 1) % 4 * around;
+      mesh.triangles.push_back({ring * around + k, up + k, ring * around + next});
+      mesh.triangles.push_back({ring * around + next, up + k, up + next});
+    }
+  }
+  return mesh;
+}
+
+TEST(MeshWall, SharesAtAFunnelsOutletAreNumbers) {
+  // Deepest points beyond a concave ridge, near the rim: a facet over which nothing of the body lies has no part in it.
+  const auto wall = makeMeshWall(funnel(24, 9e-3, 21e-3, 20e-3, 3e-3), "funnel");
+  Random random(6);
+  std::size_t touches = 0, several = 0;
+  for (const auto& body : bodies()) {
+    for (int trial = 0; trial < 3000; ++trial) {
+      const double angle = random.uniform(0, 2 * pi), z = random.uniform(-1e-3, 2e-3);
+      const Vec3 onWall((9e-3 + 0.6 * z) * std::cos(angle), (9e-3 + 0.6 * z) * std::sin(angle), z);
+      const Vec3 inwards = Vec3(-std::cos(angle), -std::sin(angle), 0.6).normalized();
+      const Quat q = random.rotation();
+      // As deep as it takes to sink a little.
+      const Vec3 lowest = q * body->support(q.conjugate() * -inwards);
+      const double overlap = body->size() * std::pow(10, random.uniform(-4, -1.5));
+      const Frame frame(q.toRotationMatrix(), onWall - lowest - overlap * inwards);
+      std::vector<WallTouch> found;
+      wall->touch({PointRule::patch}, *body, frame, found);
+      touches += found.size();
+      several += found.size() > 1;
+      for (const WallTouch& touch : found) {
+        EXPECT_GE(touch.share, 0);
+        EXPECT_LE(touch.share, 1);
+        EXPECT_TRUE(touch.patch.point.allFinite());
+      }
+    }
+  }
+  EXPECT_GT(touches, 5000u);
+  EXPECT_GT(several, 500u);
+}
+
 TEST(MeshWall, ClearanceIsALowerBoundAndSidesAreTold) {
   const Vec3 h(0.004, 0.003, 0.002);
   const auto room = makeMeshWall(box(h, true), "room");
