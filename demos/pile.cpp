@@ -104,8 +104,8 @@ void addOptions(CLI::App& app, Options& o) {
   app.add_option("--interval", p.interval, "between two particles, s (default 0.04)");
   app.add_option("--rest", p.rest, "longest wait for rest after the last particle, s (default 10)");
   app.add_option("--sleep", p.sleep,
-                 "particles whose mean motion has an energy below this times m g d may sleep: faster, and "
-                 "steeper by some degrees; 0: none (default)");
+                 "particles whose mean motion has an energy below this times m g d may sleep: five times as "
+                 "fast; they don't feel what shakes the pile; 0: none (default)");
   app.add_option("--dt", o.step, "time step, s; default: half of the stability bound");
   app.add_flag("--three-d", p.space, "a cone in space, from a hopper");
   app.add_option("--orifice", p.orifice, "--three-d: diameter of the hopper's opening, m (default 0.03)");

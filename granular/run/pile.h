@@ -34,7 +34,7 @@ struct PileSettings {
   double interval = 0.04;      ///< between two particles, s
   double rest = 10;            ///< longest wait after the last one, s
   double sleep = 0;            ///< energy of the mean motion over m g d below which a particle may sleep; 0: none.
-                               ///< Sleepers don't feel the shaking by which a slope flattens: it stays steeper.
+                               ///< Sleepers don't feel the shaking of every impact.
   std::optional<double> step;  ///< s; not given: half of the stability bound
 
   // A cone in space.
