@@ -1,5 +1,6 @@
 // The bodies, as a structure of arrays: what the force loop reads each step apart from what it reads rarely.
-// Index = slot in spatial order; id = the stable number a user and a checkpoint know.
+// Index = slot, in the order in which bodies came, without those that left; id = the stable number a user and a
+// checkpoint know.
 #pragma once
 
 #include <cstdint>

@@ -69,7 +69,7 @@ bool record(const World& world, Recording& recording) {
   const Bodies& bodies = world.bodies;
   now.bodies.resize(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    // Slots are in spatial order.
+    // Slots need not be ids.
     now.bodies[static_cast<std::size_t>(bodies.id[i])] = {{bodies.x[i], bodies.q[i]}, bodies.v[i], bodies.w[i]};
     if (!bodies.x[i].allFinite() || !bodies.q[i].coeffs().allFinite() || !bodies.w[i].allFinite()) return false;
   }

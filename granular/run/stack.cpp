@@ -70,7 +70,7 @@ std::vector<double> layerForces(const World& world) {
   return force;
 }
 
-/// Poses by id: slots are in spatial order.
+/// Poses by id: slots need not be ids.
 std::vector<Pose> posesOf(const Bodies& bodies) {
   std::vector<Pose> poses(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
