@@ -186,6 +186,14 @@ auto chooseBatches(const World& world, Range range) -> decltype(World::Chunk::ma
   return options.skips.feature && areAll(ShapeKind::ellipsoid, world, range) ? makeEllipsoidContacts : nullptr;
 }
 
+/// True if the contacts of any chunk of pairs are found from caches: batches of balls are not.
+bool readsCaches(const World& world) {
+  const auto last = world.chunks.begin() + static_cast<std::ptrdiff_t>(world.wallChunkBegin);
+  return std::any_of(world.chunks.begin(), last, [](const World::Chunk& chunk) {
+    return chunk.make != makeSphereContacts && chunk.make != makeBallContacts;
+  });
+}
+
 }  // namespace
 
 void startChunk(World::Chunk& chunk) {
@@ -370,13 +378,7 @@ void layOutContacts(World& world) {
         atWalls ? chooseLooksAtWalls(world, chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()))
                 : chooseLooks(world, range);
   }
-  const auto makesBalls = [](const World::Chunk& chunk) {
-    return chunk.make == makeSphereContacts || chunk.make == makeBallContacts;
-  };
-  if (!std::all_of(world.chunks.begin(), world.chunks.begin() + static_cast<std::ptrdiff_t>(world.wallChunkBegin),
-                   makesBalls)) {
-    world.pairs.memory.cache.resize(world.pairs.memory.size());
-  }
+  if (readsCaches(world)) world.pairs.memory.cache.resize(world.pairs.memory.size());
   world.pairWay = 0;
   world.quietWay.assign(world.activePairs.size(), -infinity);
   world.contactsOfPair.resize(world.activePairs.size() + world.activeWallPairs.size());

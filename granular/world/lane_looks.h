@@ -14,10 +14,13 @@ namespace granular {
 
 /// Kind, which is derived from this, says what differs:
 ///   bool add(contact, cache)           the pair's group takes it by its last feature, or false: it can't
-///   void begin(group)                  looks at a group, the last of which may be part full, and begins the integrals
-///   of touchingLanes() if places() void finishOverlaps()              completes all integrals begun TouchingFeature
-///   nameFeature(contact, cache) void fetchWhere(pair), fetchWhat(pair)   starts to bring what a look will read, in two
-///   steps; default: its cache void nameApart(pair, cache)        before a touching pair is remembered as apart
+///   void begin(group)                  looks at a group, the last of which may be part full, and begins the
+///                                      integrals of touchingLanes() if places()
+///   void finishOverlaps()              completes all integrals begun
+///   TouchingFeature nameFeature(contact, cache)
+///   void fetchWhere(pair)              starts to bring what a look will read, in two steps; default: its
+///   void fetchWhat(pair)               cache
+///   void nameApart(pair, cache)        before a touching pair is remembered as apart
 /// and endOverlap(look, sums, rule) ends the integrals of either look.
 template <class Kind, class FaceGroup, class EdgeGroup>
 class LaneLooks {

@@ -62,6 +62,14 @@ void pull(Bodies& bodies) {
   }
 }
 
+/// Moves the bodies under those forces alone.
+void moveOneStep(World& world) {
+  predict(1e-5, world.options, world.bodies);
+  pull(world.bodies);
+  applyLocks(0, world.bodies);
+  advance(1e-5, world.options, world.bodies);
+}
+
 class Motion : public ::testing::TestWithParam<SchemeKind> {};
 
 INSTANTIATE_TEST_SUITE_P(World, Motion, ::testing::Values(SchemeKind::seelen, SchemeKind::spiral),
@@ -82,12 +90,7 @@ TEST_P(Motion, InLanesHasTheSameBitsAsOneByOne) {
           worlds[oneByOne] = makeFlight(options, count, gaps);
         }
         for (int n = 0; n < 50; ++n) {
-          for (auto& world : worlds) {
-            predict(1e-5, world->options, world->bodies);
-            pull(world->bodies);
-            applyLocks(0, world->bodies);
-            advance(1e-5, world->options, world->bodies);
-          }
+          for (auto& world : worlds) moveOneStep(*world);
           ASSERT_TRUE(isSameBits(bitsOf(*worlds[0]), bitsOf(*worlds[1]))) << count << " bodies, step " << n;
         }
         for (const Vec3& w : worlds[0]->bodies.w) EXPECT_TRUE(w.allFinite());
@@ -105,12 +108,7 @@ TEST_P(Motion, HasTheSameBitsWhetherSomebodyFollowsHowBallsLieOrNot) {
     worlds[followed] = makeFlight(options, 60, {false, false, true});
   }
   for (int n = 0; n < 50; ++n) {
-    for (auto& world : worlds) {
-      predict(1e-5, world->options, world->bodies);
-      pull(world->bodies);
-      applyLocks(0, world->bodies);
-      advance(1e-5, world->options, world->bodies);
-    }
+    for (auto& world : worlds) moveOneStep(*world);
   }
   const Bodies &left = worlds[0]->bodies, &followed = worlds[1]->bodies;
   EXPECT_EQ(left.ballSlots().size(), 20u);
