@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <numeric>
 #include <sstream>
 
 #include "granular/core/errors.h"
@@ -159,23 +160,27 @@ std::unique_ptr<World> makePatch(const Family& family, int count, const BedSetti
   return world;
 }
 
-/// The patch repeated across the plane.
-std::unique_ptr<World> repeatPatch(const World& patch, int repeats, WorldOptions options) {
+/// The patch repeated across the plane; shuffle: in an order at random, if given.
+std::unique_ptr<World> repeatPatch(const World& patch, int repeats, Random* shuffle, WorldOptions options) {
   const Vec3 period = patch.options.periods.length;
   options.periods.length = repeats * period;
   options.periods.origin = patch.options.periods.origin;
   std::unique_ptr<World> world = makeWorld(options, patch.shapes);
   world->walls.push_back(makePlaneWall(Vec3::Zero(), Vec3::UnitZ()));
-  world->bodies.reserve(static_cast<std::size_t>(repeats * repeats) * patch.bodies.size());
-  for (int tile = 0; tile < repeats * repeats; ++tile) {
-    const int column = tile % repeats, row = tile / repeats;
-    const Vec3 shift(column * period.x(), row * period.y(), 0);
-    for (std::size_t i = 0; i < patch.bodies.size(); ++i) {
-      NewBody body;
-      body.shapeIndex = patch.bodies.shapeIndex[i];
-      body.pose = {patch.bodies.x[i] + shift, patch.bodies.q[i]};
-      world->addBody(body);
-    }
+  const std::size_t inPatch = patch.bodies.size(), count = static_cast<std::size_t>(repeats * repeats) * inPatch;
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), 0);
+  if (shuffle) {
+    for (std::size_t k = count; k > 1; --k) std::swap(order[k - 1], order[shuffle->below(k)]);
+  }
+  world->bodies.reserve(count);
+  for (const std::size_t k : order) {
+    const std::size_t i = k % inPatch;
+    const int tile = static_cast<int>(k / inPatch), column = tile % repeats, row = tile / repeats;
+    NewBody body;
+    body.shapeIndex = patch.bodies.shapeIndex[i];
+    body.pose = {patch.bodies.x[i] + Vec3(column * period.x(), row * period.y(), 0), patch.bodies.q[i]};
+    world->addBody(body);
   }
   return world;
 }
@@ -239,7 +244,8 @@ std::unique_ptr<World> makeDenseBed(const Family& family, const BedSettings& set
   const int inPatch = static_cast<int>(std::lround(static_cast<double>(settings.count) / (repeats * repeats)));
   WorldOptions options = settings.options;
   options.sleep.on = sleeps;
-  return repeatPatch(*makePatch(family, inPatch, settings), repeats, options);
+  Random random(settings.seed);
+  return repeatPatch(*makePatch(family, inPatch, settings), repeats, settings.shuffled ? &random : nullptr, options);
 }
 
 /// A hundred spheres in layers that knock against each other for some milliseconds, above a bed that sleeps; alone:

@@ -19,7 +19,8 @@ struct BedSettings {
   std::string scene = "spheres";
   int count = 1000;  ///< bodies wanted; beds that repeat a patch round it to a multiple of the patches
   std::uint64_t seed = 1;
-  WorldOptions options;  ///< of the world to be timed; its periods and sleep are the scene's
+  bool shuffled = false;  ///< dense beds: in an order at random, as bodies that were poured lie
+  WorldOptions options;   ///< of the world to be timed; its periods and sleep are the scene's
 };
 
 /// Names of the scenes that makeBed knows.

@@ -180,6 +180,7 @@ int parseAndRun(int argc, char** argv) {
   app.add_option("--skip", settings.skip, "what to skip: all, none, or names (broad_phase,gjk,epa,orientation)")
       ->delimiter(',')
       ->check(CLI::IsMember({"all", "none", "broad_phase", "gjk", "epa", "orientation"}));
+  app.add_flag("--shuffled", settings.bed.shuffled, "dense beds: bodies in an order at random, as they were poured");
   app.add_flag("--no-batches", settings.bed.options.noBatches, "work on every body, pair and contact one by one");
   app.add_option("--threads", settings.threads, "OpenMP threads")->check(CLI::PositiveNumber);
   app.add_option("--relax", settings.relax, "steps before the clock starts")->check(CLI::NonNegativeNumber);

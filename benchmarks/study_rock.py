@@ -72,34 +72,42 @@ def bed_scene(case, seed, options):
             f'[insertion]\nkind = "rain"\ncount = {options.bed}\nrate = 1000\n')
 
 
-def hopper(folder, options):
-    """A funnel at 60 degrees under a shaft, open at both ends, its wall a diameter thick: OBJ, m."""
-    d, around = options.diameter, 48
-    narrow, wide, outlet = 3 * d, 7 * d, 10 * d
-    joint = outlet + math.sqrt(3) * (wide - narrow)
-    rings = [(narrow, outlet), (wide, joint), (wide, joint + 20 * d), (wide + d, joint + 20 * d), (wide + d, joint),
-             (narrow + d, outlet)]
-    with open(os.path.join(folder, "hopper.obj"), "w") as file:
-        for radius, z in rings:
+def turned(path, profile, around=48):
+    """Writes the closed surface that a closed profile of (radius, z), m, makes about the z axis: OBJ, m."""
+    with open(path, "w") as file:
+        for radius, z in profile:
             for k in range(around):
                 angle = 2 * math.pi * k / around
                 file.write(f"v {radius * math.cos(angle)} {radius * math.sin(angle)} {z}\n")
-        for ring in range(len(rings)):
-            up = (ring + 1) % len(rings) * around - ring * around
+        for ring in range(len(profile)):
+            up = (ring + 1) % len(profile) * around - ring * around
             for k in range(around):
                 a, b = ring * around + k + 1, ring * around + (k + 1) % around + 1
                 file.write(f"f {a} {a + up} {b}\nf {b} {a + up} {b + up}\n")
-    return joint + 16 * d
+
+
+def hopper_and_rim(folder, options):
+    """A funnel at 60 degrees under a shaft, open at both ends, and a rim that holds the heap's lowest grains, for on a
+    smooth floor they roll away. All walls are a diameter thick. Returns the height of the shaft's top, m."""
+    d = options.diameter
+    narrow, wide, outlet = 3 * d, 5 * d, 5 * d
+    joint = outlet + math.sqrt(3) * (wide - narrow)
+    top = joint + 12 * d
+    turned(os.path.join(folder, "hopper.obj"),
+           [(narrow, outlet), (wide, joint), (wide, top), (wide + d, top), (wide + d, joint), (narrow + d, outlet)])
+    turned(os.path.join(folder, "rim.obj"), [(6 * d, -d), (6 * d, 0.5 * d), (7 * d, 0.5 * d), (7 * d, -d)])
+    return top
 
 
 def heap_scene(case, seed, options, top):
     d = options.diameter
     return (f'name = "heap of {case}"\n' + COMMON.format(seed=seed, friction=options.friction) +
-            '[vessel]\nkind = "none"\n'
+            '[rest]\nmax_time = 1.5\n[vessel]\nkind = "none"\n'
             '[[wall]]\nkind = "plane"\nname = "floor"\nnormal = [0, 0, 1]\n'
             '[[wall]]\nkind = "mesh"\nname = "hopper"\nfile = "hopper.obj"\nunit = "m"\n'
+            '[[wall]]\nkind = "mesh"\nname = "rim"\nfile = "rim.obj"\nunit = "m"\n'
             f'[[particles]]\n{particles(case, options)}count = {options.heap}\n{size(case, options)}'
-            f'[insertion]\nkind = "drop"\nrate = 60\nfrom = [{-3 * d}, {-3 * d}, {top - 4 * d}]\n'
+            f'[insertion]\nkind = "drop"\nrate = 200\nfrom = [{-3 * d}, {-3 * d}, {top - 4 * d}]\n'
             f'to = [{3 * d}, {3 * d}, {top}]\nturn = "any"\n')
 
 
@@ -116,7 +124,7 @@ def run(case, kind, seed, options):
             os.makedirs(folder, exist_ok=True)
             with open(scene, "w") as file:
                 file.write(bed_scene(case, seed, options) if kind == "bed" else
-                           heap_scene(case, seed, options, hopper(folder, options)))
+                           heap_scene(case, seed, options, hopper_and_rim(folder, options)))
             command = [program] + ([scene] if kind == "bed" else ["--scene", scene, "--no-picture"]) + ["--out", folder]
         done = timed_run(command + ["--threads", "1"] if "--resume" not in command else command)
         # A bed or heap that isn't at rest in time is an answer too, and says so.
@@ -150,7 +158,7 @@ def main():
     parser.add_argument("--vertices", type=int, default=60, help="of the hull")
     parser.add_argument("--spheres", default="10,50,200", help="of the clumps")
     parser.add_argument("--bed", type=int, default=300, help="particles of a bed")
-    parser.add_argument("--heap", type=int, default=400, help="particles of a heap")
+    parser.add_argument("--heap", type=int, default=500, help="particles of a heap")
     parser.add_argument("--friction", type=float, default=0.5)
     parser.add_argument("--seeds", default="1,2,3")
     parser.add_argument("--jobs", type=int, default=1, help="runs at once")

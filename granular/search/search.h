@@ -16,7 +16,10 @@ struct Periods {
   Vec3 origin = Vec3::Zero();
   bool any() const { return (length.array() > 0).any(); }
   /// How far the image lies from the stored position, m.
-  Vec3 shift(const Image& image) const { return {image[0] * length.x(), image[1] * length.y(), image[2] * length.z()}; }
+  Vec3 shift(const Image& image) const {
+    if ((image[0] | image[1] | image[2]) == 0) return Vec3::Zero();  // nearly all
+    return {image[0] * length.x(), image[1] * length.y(), image[2] * length.z()};
+  }
 };
 
 struct SearchOptions {

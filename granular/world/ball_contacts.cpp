@@ -178,8 +178,7 @@ class BallLooks {
 }  // namespace
 
 void makeBallContacts(double dt, std::size_t c, World& world) {
-  World::Chunk& chunk = world.chunks[c];
-  startChunk(chunk);
+  World::Chunk& chunk = startChunk(world, c);
   BallLooks looks(dt, world, chunk);
   const PairMemory& memory = world.pairs.memory;
   const auto fetch = [&](const Pair& pair) {

@@ -1,6 +1,7 @@
 // Stages of a step that make the contacts: pairs, touches, points.
 #include <algorithm>
 
+#include "granular/core/prefetch.h"
 #include "granular/narrow/bullet_manifold.h"
 #include "granular/point/patch_lanes.h"
 #include "granular/point/witness.h"
@@ -196,7 +197,15 @@ bool readsCaches(const World& world) {
 
 }  // namespace
 
-void startChunk(World::Chunk& chunk) {
+World::Chunk& startChunk(World& world, std::size_t c) {
+  World::Chunk& chunk = world.chunks[c];
+  if (world.bodies.size() >= bodiesBeyondCaches) {
+    // What the last step left here, about as much as this one will write.
+    fetchAll(chunk.contacts);
+    fetchAll(chunk.briefs);
+    fetchAll(chunk.touches);
+    fetchAll(chunk.pulls);
+  }
   chunk.contacts.clear();
   chunk.briefs.clear();
   chunk.touches.clear();
@@ -205,6 +214,7 @@ void startChunk(World::Chunk& chunk) {
   chunk.deepest = 0;
   chunk.deepestContact = -1;
   chunk.uncertifiedPair = -1;
+  return chunk;
 }
 
 bool beginLook(World& world, std::int32_t index, Look& look) {
@@ -373,6 +383,7 @@ void layOutContacts(World& world) {
   for (std::size_t c = 0; c < world.chunks.size(); ++c) {
     const bool atWalls = c >= world.wallChunkBegin;
     const Range range = chunkRange(c, world.activePairs.size());
+    if (!atWalls) makeDue(world, c);
     world.chunks[c].make = atWalls ? nullptr : chooseBatches(world, range);
     world.chunks[c].find =
         atWalls ? chooseLooksAtWalls(world, chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()))
@@ -380,15 +391,14 @@ void layOutContacts(World& world) {
   }
   if (readsCaches(world)) world.pairs.memory.cache.resize(world.pairs.memory.size());
   world.pairWay = 0;
-  world.quietWay.assign(world.activePairs.size(), -infinity);
-  world.contactsOfPair.resize(world.activePairs.size() + world.activeWallPairs.size());
+  world.quietWay.assign(world.wallChunkBegin * World::chunkSize, infinity);
+  world.contactsOfPair.assign(world.activePairs.size() + world.activeWallPairs.size(), {});
   world.layoutStale = false;
 }
 
 void findContacts(std::size_t c, World& world) {
   const std::size_t pairCount = world.activePairs.size();
-  World::Chunk& chunk = world.chunks[c];
-  startChunk(chunk);
+  World::Chunk& chunk = startChunk(world, c);
   const bool atWalls = c >= world.wallChunkBegin;
   const Range range =
       atWalls ? chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()) : chunkRange(c, pairCount);

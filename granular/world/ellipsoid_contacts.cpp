@@ -226,8 +226,7 @@ class EllipsoidLooks {
 }  // namespace
 
 void makeEllipsoidContacts(double dt, std::size_t c, World& world) {
-  World::Chunk& chunk = world.chunks[c];
-  startChunk(chunk);
+  World::Chunk& chunk = startChunk(world, c);
   EllipsoidLooks looks(dt, world, chunk);
   const PairMemory& memory = world.pairs.memory;
   const auto fetch = [&](const Pair& pair) {

@@ -1,5 +1,6 @@
 // Stages of a step that make forces of contacts: the law of each, and the sum on each body.
 #include "granular/body/lanes.h"
+#include "granular/core/prefetch.h"
 #include "granular/core/share_out.h"
 #include "granular/world/contact_radius.h"
 #include "granular/world/law_batch.h"
@@ -247,8 +248,10 @@ void sumByContacts(World& world) {
   const bool loads = world.options.sleep.on;
   beginAllSums(world);
   const auto isFrozen = [&](std::int32_t body) { return body < 0 || bodies.state[at(body)] == BodyState::frozen; };
-  for (const World::Chunk& chunk : world.chunks) {
-    for (const ContactPull& pull : chunk.pulls) {
+  const bool fetches = bodies.size() >= bodiesBeyondCaches;
+  for (std::size_t c = 0; c < world.chunks.size(); ++c) {
+    if (fetches && c + 1 < world.chunks.size()) fetchAll(world.chunks[c + 1].pulls);
+    for (const ContactPull& pull : world.chunks[c].pulls) {
       const double half = loads ? 0.5 * pull.force.norm() : 0;
       if (!isFrozen(pull.a)) {
         bodies.force[at(pull.a)] += pull.force;

@@ -28,7 +28,7 @@ class LaneLooks {
   /// Finds the contacts of chunk c.
   void takeChunk(std::size_t c) {
     std::array<std::size_t, World::chunkSize> due;
-    const std::size_t dueCount = listDue(world, chunkRange(c, world.activePairs.size()), due.data());
+    const std::size_t dueCount = listDue(world, c, due.data());
     const auto pairAt = [&](std::size_t k) -> const Pair& {
       return world.pairs.pairs[static_cast<std::size_t>(world.activePairs[due[k]])];
     };

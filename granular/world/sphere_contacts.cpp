@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "granular/core/placed_axes.h"
+#include "granular/core/prefetch.h"
 #include "granular/world/brief_batch.h"
 #include "granular/world/looks.h"
 #include "granular/world/stages.h"
@@ -54,7 +55,8 @@ void placeSpheres(const Bodies& bodies, std::size_t k, SphereBatch& s) {
 /// Makes the contacts of a chunk.
 class SphereLooks {
  public:
-  SphereLooks(double dt, World& of, World::Chunk& into) : world(of), chunk(into), batch(ownOfThread<SphereBatch>()) {
+  SphereLooks(double dt, World& of, World::Chunk& into)
+      : world(of), chunk(into), anyHeld(!of.pairs.memory.held.empty()), batch(ownOfThread<SphereBatch>()) {
     batch.begin(dt, of);
   }
 
@@ -63,7 +65,7 @@ class SphereLooks {
     const std::int32_t index = world.activePairs[position];
     const Pair& pair = world.pairs.pairs[at(index)];
     PairMemory& memory = world.pairs.memory;
-    if (at(pair.slot) < memory.held.size()) memory.held[at(pair.slot)].a = -1;
+    if (anyHeld && at(pair.slot) < memory.held.size()) memory.held[at(pair.slot)].a = -1;
     const std::size_t k = batch.add({index, pair.a, pair.b, -1, -1}, memory.history[at(pair.slot)]);
     batch.position[k] = position;
     batch.shift.put(k, world.options.periods.shift(pair.image));
@@ -96,21 +98,19 @@ class SphereLooks {
 
   World& world;
   World::Chunk& chunk;
+  const bool anyHeld;  ///< contacts between bodies at rest
   SphereBatch& batch;
 };
 
 }  // namespace
 
 void makeSphereContacts(double dt, std::size_t c, World& world) {
-  World::Chunk& chunk = world.chunks[c];
-  startChunk(chunk);
+  World::Chunk& chunk = startChunk(world, c);
   SphereLooks looks(dt, world, chunk);
   const auto fetch = [&](const Pair& pair) {
     __builtin_prefetch(&world.pairs.memory.history[at(pair.slot)]);
     __builtin_prefetch(&world.bodies.x[at(pair.b)]);
-    const MotionRow& row = world.motionRows[at(pair.b)];
-    __builtin_prefetch(row.atStep());
-    __builtin_prefetch(row.atHalfStep());
+    fetchWhole(world.motionRows[at(pair.b)]);
   };
   takeDue(world, c, fetch, [&](std::size_t position) { looks.take(position); });
   looks.finish();

@@ -9,6 +9,9 @@ namespace granular {
 inline constexpr std::size_t chunksForThreads = 32;   ///< of World::chunkSize pairs
 inline constexpr std::size_t bodiesForThreads = 512;  ///< that move
 
+/// From so many bodies on what a step reads and writes does not stay in a core's caches, and is asked for ahead.
+inline constexpr std::size_t bodiesBeyondCaches = 4096;
+
 /// Puts moving walls where they are at t_{n+1}.
 void moveWalls(double dt, World& world);
 /// Positions, orientations and predicted velocities at t_{n+1} of every moving body. Returns a bound on how far any
@@ -51,8 +54,8 @@ void watch(World& world);
 /// Names bodies whose centre is behind a wall of the vessel. Not part of a step: a run looks now and then.
 void checkDomain(World& world);
 
-/// Empties a chunk, keeping its memory.
-void startChunk(World::Chunk& chunk);
+/// Empties chunk c, keeping its memory.
+World::Chunk& startChunk(World& world, std::size_t c);
 
 /// Lays out incidence and chunks for the present pairs: after a refresh, and after loading a checkpoint.
 void layOutContacts(World& world);

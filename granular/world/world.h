@@ -67,7 +67,14 @@ struct World {
 
   /// Contacts of the present step, in chunks of consecutive pairs: each chunk is one thread's work, and the chunks do
   /// not depend on the number of threads. Bodies' chunks first, then the walls'.
+  static constexpr std::size_t chunkSize = 128;
   struct Chunk {
+    /// Which of its active pairs need a look: those that touch, and those whose gap may have closed (due_pairs.cpp).
+    struct Due {
+      std::array<std::uint8_t, chunkSize> place;  ///< in the chunk, ascending
+      std::size_t count = 0;
+      double quietUntil = infinity;  ///< the least quietWay of the others, m
+    } due;
     std::vector<Contact> contacts;
     /// Only balls or only ellipsoids meet here, and this makes their contacts in batches; null: stage by stage.
     void (*make)(double dt, std::size_t chunk, World& world) = nullptr;
@@ -96,14 +103,13 @@ struct World {
   };
   std::vector<Chunk> chunks;
   std::size_t wallChunkBegin = 0;
-  static constexpr std::size_t chunkSize = 128;
 
   /// The pairs a step looks at: those with a body that moves. Indices into the lists, in their order.
   std::vector<std::int32_t> activePairs, activeWallPairs;
   /// Bound on how far the two bodies of any pair moved towards each other since the contacts were laid out, m.
   double pairWay = 0;
-  /// No active pair needs a look while pairWay is below its number here, m: one number tells what isQuiet asks of both
-  /// bodies.
+  /// An active pair that isn't due needs no look while pairWay is below its number here, m: one number tells what
+  /// isQuiet asks of both bodies. Infinite for others, and to the end of the last chunk.
   std::vector<double> quietWay;
   /// Which active pairs a body is part of, in the order of the lists.
   struct Incidence {

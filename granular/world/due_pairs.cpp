@@ -1,0 +1,86 @@
+// In a bed most pairs stay as they are for hundreds of steps: they touch, or a gap lies between them. So each chunk
+// keeps the list of those that are due from step to step. A pair that parted is taken out; one that was quiet comes in
+// when it may no longer be. Of most of these a single number tells that they are: the way that the fastest bodies made.
+#include "granular/world/due_pairs.h"
+
+#include <numeric>
+
+#include "granular/core/wide.h"
+
+namespace granular {
+namespace {
+
+/// True if the active pair with this position is quiet; then quietWay and its chunk's `due` know for how long.
+bool goesQuiet(World& world, std::size_t position, World::Chunk::Due& due) {
+  const Pair& pair = world.pairs.pairs[static_cast<std::size_t>(world.activePairs[position])];
+  const double left = gapLeft(world, pair);
+  const bool quiet = world.options.skips.separation && left > 0;
+  // A little less: round-off must not keep a pair quiet that its bodies' ways would not.
+  world.quietWay[position] = quiet ? world.pairWay + (1 - 1e-6) * left : infinity;
+  due.quietUntil = std::min(due.quietUntil, world.quietWay[position]);
+  return quiet;
+}
+
+/// Takes out the pairs that had no contact in the last step and are quiet; all forget their contacts.
+void dropQuiet(World& world, std::size_t first, World::Chunk::Due& due) {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < due.count; ++k) {
+    const std::size_t position = first + due.place[k];
+    World::ContactRange& contacts = world.contactsOfPair[position];
+    if (contacts.count == 0 && goesQuiet(world, position, due)) continue;
+    contacts = {};
+    due.place[kept++] = due.place[k];
+  }
+  due.count = kept;
+}
+
+void insert(std::size_t place, World::Chunk::Due& due) {
+  const auto end = due.place.begin() + static_cast<std::ptrdiff_t>(due.count++);
+  const auto at = std::upper_bound(due.place.begin(), end, place);
+  std::copy_backward(at, end, end + 1);
+  *at = static_cast<std::uint8_t>(place);
+}
+
+/// Asks those whose number is used up whether they are quiet.
+void askQuiet(World& world, std::size_t first, World::Chunk::Due& due) {
+  const double* quietWay = world.quietWay.data() + first;
+  const double way = world.pairWay;
+  Wide least = spread(infinity);
+  due.quietUntil = infinity;
+  for (std::size_t k = 0; k < World::chunkSize; k += wideSize) {
+    const Wide quiet = loadWide(quietWay + k);
+    const Mask<Wide> asked = quiet <= way;
+    if (any(asked)) {
+      for (std::size_t i = 0; i < wideSize; ++i) {
+        if (asked[i] != 0 && !goesQuiet(world, first + k + i, due)) insert(k + i, due);
+      }
+    }
+    least = smaller(least, choose(asked, spread(infinity), quiet));
+  }
+  for (std::size_t i = 0; i < wideSize; ++i) due.quietUntil = std::min(due.quietUntil, least[i]);
+}
+
+}  // namespace
+
+void makeDue(World& world, std::size_t c) {
+  const Range range = chunkRange(c, world.activePairs.size());
+  World::Chunk::Due& due = world.chunks[c].due;
+  due.count = range.last - range.first;
+  due.quietUntil = infinity;
+  std::iota(due.place.begin(), due.place.begin() + static_cast<std::ptrdiff_t>(due.count), std::uint8_t{0});
+}
+
+std::size_t listDue(World& world, std::size_t c, std::size_t* list) {
+  const std::size_t first = c * World::chunkSize;
+  World::Chunk::Due& due = world.chunks[c].due;
+  dropQuiet(world, first, due);
+  if (!(world.pairWay < due.quietUntil)) askQuiet(world, first, due);
+  // A large bed's pairs are not near: they come while those before them are worked on.
+  for (std::size_t k = 0; k < due.count; ++k) {
+    list[k] = first + due.place[k];
+    __builtin_prefetch(&world.pairs.pairs[static_cast<std::size_t>(world.activePairs[list[k]])]);
+  }
+  return due.count;
+}
+
+}  // namespace granular
