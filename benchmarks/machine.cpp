@@ -1,6 +1,6 @@
 // What this machine gives: registers full of numbers added, multiplied, divided, rooted, shuffled, loaded and stored
-// per nanosecond, and bytes per nanosecond from each level of memory. One JSON object on stdout; benchmarks/roofline.py
-// holds kernels against it.
+// per nanosecond, bytes per nanosecond from each level of memory, and lines of it in a scattered order. One JSON object
+// on stdout; benchmarks/roofline.py holds kernels against it.
 #include <chrono>
 #include <cstdio>
 #include <string>
@@ -75,6 +75,26 @@ double stream(std::size_t bytes) {
   });
 }
 
+/// Lines of 64 bytes read (updates: and written back) per nanosecond, in a scattered order over so many bytes: each
+/// address is known long before, as those of a step's pairs are.
+double scattered(std::size_t bytes, bool updates) {
+  constexpr std::size_t line = 8, stride = 40503;  // numbers; odd, so that every line of a power of two is met
+  const std::size_t lines = bytes / (line * sizeof(double));
+  std::vector<double> numbers(lines * line, 1.0);
+  std::size_t next = 0;
+  double sum = 0;
+  const double rate = perNanosecond(4096, [&] {
+    for (std::size_t k = 0; k < 4096; ++k) {
+      next = (next + stride) & (lines - 1);
+      double& number = numbers[next * line];
+      sum += number;
+      if (updates) number = 2.0;
+    }
+  });
+  asm volatile("" : : "m"(sum));
+  return rate;
+}
+
 }  // namespace
 
 int main() {
@@ -116,6 +136,9 @@ int main() {
                                     std::pair{"stream_256_MB_bytes_per_ns", std::size_t{256} << 20}}) {
     add(name, stream(bytes));
   }
+  constexpr std::size_t large = std::size_t{256} << 20;
+  add("scattered_lines_read_per_ns", scattered(large, false));
+  add("scattered_lines_updated_per_ns", scattered(large, true));
   std::puts((text + "\n}").c_str());
   return 0;
 }
