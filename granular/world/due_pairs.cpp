@@ -38,7 +38,7 @@ void insert(std::size_t place, World::Chunk::Due& due) {
   const auto end = due.place.begin() + static_cast<std::ptrdiff_t>(due.count++);
   const auto at = std::upper_bound(due.place.begin(), end, place);
   std::copy_backward(at, end, end + 1);
-  *at = static_cast<std::uint8_t>(place);
+  *at = static_cast<std::uint16_t>(place);
 }
 
 /// Asks those whose number is used up whether they are quiet.
@@ -67,7 +67,7 @@ void makeDue(World& world, std::size_t c) {
   World::Chunk::Due& due = world.chunks[c].due;
   due.count = range.last - range.first;
   due.quietUntil = infinity;
-  std::iota(due.place.begin(), due.place.begin() + static_cast<std::ptrdiff_t>(due.count), std::uint8_t{0});
+  std::iota(due.place.begin(), due.place.begin() + static_cast<std::ptrdiff_t>(due.count), std::uint16_t{0});
 }
 
 std::size_t listDue(World& world, std::size_t c, std::size_t* list) {

@@ -6,7 +6,7 @@
 namespace granular {
 
 /// Below these a stage runs on one thread: waking the others would take longer than they save. Results are the same.
-inline constexpr std::size_t chunksForThreads = 32;   ///< of World::chunkSize pairs
+inline constexpr std::size_t chunksForThreads = 8;    ///< of World::chunkSize pairs
 inline constexpr std::size_t bodiesForThreads = 512;  ///< that move
 
 /// From so many bodies on what a step reads and writes does not stay in a core's caches, and is asked for ahead.
