@@ -49,8 +49,11 @@ void fillScene(const std::vector<aiMesh*>& meshes, aiScene& scene) {
 TriangleMesh surfaceOf(std::span<const Shape* const> shapes, std::span<const Frame> frames,
                        const MeshExportOptions& options) {
   TriangleMesh all;
+  std::map<const Shape*, TriangleMesh> meshes;  // each shape is triangulated once
   for (std::size_t k = 0; k < shapes.size(); ++k) {
-    const TriangleMesh mesh = shapes[k]->surface(options.resolution);
+    const auto [found, isNew] = meshes.try_emplace(shapes[k]);
+    if (isNew) found->second = shapes[k]->surface(options.resolution);
+    const TriangleMesh& mesh = found->second;
     const int first = static_cast<int>(all.vertices.size());
     for (const Vec3& p : mesh.vertices) all.vertices.push_back(frames[k].toWorld((1 - options.gap) * p));
     for (const auto& t : mesh.triangles) all.triangles.push_back({first + t[0], first + t[1], first + t[2]});

@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "granular/io/output_file.h"
+#include "granular/shape/clump.h"
 
 namespace granular {
 namespace {
@@ -137,6 +138,15 @@ void writePolyData(const std::filesystem::path& path, const VtkPolyData& data) {
   file.write(path, "PolyData");
 }
 
+namespace {
+
+TriangleMesh visibleSurface(const Shape& shape, int resolution) {
+  const Clump* clump = asClump(shape);
+  return clump ? clump->outerSurface(resolution) : shape.surface(resolution);
+}
+
+}  // namespace
+
 VtkPolyData makeSurfaces(std::span<const Shape* const> shapes, std::span<const Frame> frames,
                          std::span<const VtkArray> particleArrays, int resolution, double scale) {
   VtkPolyData data;
@@ -144,7 +154,7 @@ VtkPolyData makeSurfaces(std::span<const Shape* const> shapes, std::span<const F
   std::vector<std::size_t> counts;
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     auto [found, isNew] = meshes.try_emplace(shapes[k]);
-    if (isNew) found->second = shapes[k]->surface(resolution);
+    if (isNew) found->second = visibleSurface(*shapes[k], resolution);
     const TriangleMesh& mesh = found->second;
     const int first = static_cast<int>(data.points.size());
     for (const Vec3& p : mesh.vertices) data.points.push_back(frames[k].toWorld(scale * p));

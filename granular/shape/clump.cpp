@@ -115,13 +115,74 @@ bool Clump::contains(const Vec3& p) const {
   });
 }
 
+namespace {
+
+void append(const TriangleMesh& part, TriangleMesh& whole) {
+  const auto first = static_cast<int>(whole.vertices.size());
+  whole.vertices.insert(whole.vertices.end(), part.vertices.begin(), part.vertices.end());
+  for (const auto& t : part.triangles) whole.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
+/// The surface of one of the spheres. A chord of a circle of radius r in n segments lies r (pi/n)^2/2 within it.
+TriangleMesh sphereMesh(const ChildSphere& child, double largestRadius, int resolution) {
+  constexpr int fewest = 6;
+  const int segments = static_cast<int>(std::ceil(resolution * std::sqrt(child.radius / largestRadius)));
+  TriangleMesh mesh = ellipsoidMesh(Vec3::Constant(child.radius), std::max(segments, fewest));
+  for (Vec3& v : mesh.vertices) v += child.centre;
+  return mesh;
+}
+
+/// Leaves out triangles that lie in the sphere: it is convex, so that their corners tell.
+void dropWithin(const ChildSphere& sphere, TriangleMesh& mesh) {
+  const auto isWithin = [&](int vertex) {
+    return (mesh.vertices[static_cast<std::size_t>(vertex)] - sphere.centre).squaredNorm() <
+           sphere.radius * sphere.radius;
+  };
+  std::erase_if(mesh.triangles, [&](const auto& t) { return isWithin(t[0]) && isWithin(t[1]) && isWithin(t[2]); });
+}
+
+void dropUnused(TriangleMesh& mesh) {
+  std::vector<int> place(mesh.vertices.size(), -1);
+  std::vector<Vec3> used;
+  for (auto& t : mesh.triangles) {
+    for (int& vertex : t) {
+      int& now = place[static_cast<std::size_t>(vertex)];
+      if (now < 0) {
+        now = static_cast<int>(used.size());
+        used.push_back(mesh.vertices[static_cast<std::size_t>(vertex)]);
+      }
+      vertex = now;
+    }
+  }
+  mesh.vertices.swap(used);
+}
+
+double largestRadius(std::span<const ChildSphere> spheres) {
+  double largest = 0;
+  for (const ChildSphere& child : spheres) largest = std::max(largest, child.radius);
+  return largest;
+}
+
+}  // namespace
+
 TriangleMesh Clump::surface(int resolution) const {
+  const double largest = largestRadius(spheres);
+  TriangleMesh all;
+  for (const ChildSphere& child : spheres) append(sphereMesh(child, largest, resolution), all);
+  return all;
+}
+
+TriangleMesh Clump::outerSurface(int resolution) const {
+  const double largest = largestRadius(spheres);
   TriangleMesh all;
   for (const ChildSphere& child : spheres) {
-    const TriangleMesh mesh = ellipsoidMesh(Vec3::Constant(child.radius), resolution);
-    const auto first = static_cast<int>(all.vertices.size());
-    for (const Vec3& v : mesh.vertices) all.vertices.push_back(v + child.centre);
-    for (const auto& t : mesh.triangles) all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    TriangleMesh mesh = sphereMesh(child, largest, resolution);
+    for (const ChildSphere& other : spheres) {
+      const double reach = child.radius + other.radius;
+      if (&other != &child && (other.centre - child.centre).squaredNorm() < reach * reach) dropWithin(other, mesh);
+    }
+    dropUnused(mesh);
+    append(mesh, all);
   }
   return all;
 }

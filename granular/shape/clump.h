@@ -43,8 +43,11 @@ class Clump final : public Shape {
   Vec3 supportFace(const Vec3& d, double minCosine, Feature& out) const override;
   /// Of the union.
   bool contains(const Vec3& p) const override;
-  /// The surfaces of all children, each closed; where children overlap they run through each other.
+  /// The surfaces of all children, each closed; where children overlap they run through each other. resolution: of the
+  /// largest child; smaller ones have fewer segments, that lie as far from their spheres.
   TriangleMesh surface(int resolution) const override;
+  /// The same without the triangles that lie in another child as a whole: what is seen, for pictures. Not closed.
+  TriangleMesh outerSurface(int resolution) const;
   /// The convex hull of the children. For the children themselves: makeBulletCompound (shape/bullet_clump.h).
   std::unique_ptr<btConvexShape> makeBulletShape(double scale) const override;
   std::string describe() const override;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include "granular/core/errors.h"
@@ -262,6 +263,56 @@ TEST(Clump, BoundsAreThoseOfItsSpheres) {
       EXPECT_NEAR(box.lo[k], frame.toWorld(clump.support(-d))[k], 1e-14 * clump.boundingRadius());
     }
   }
+}
+
+std::array<double, 3> middleOf(const TriangleMesh& mesh, const std::array<int, 3>& t) {
+  const auto at = [&](int vertex) { return mesh.vertices[static_cast<std::size_t>(vertex)]; };
+  const Vec3 sum = at(t[0]) + at(t[1]) + at(t[2]);
+  return {sum.x(), sum.y(), sum.z()};
+}
+
+TEST(Clump, OuterSurfaceLeavesOutHiddenTrianglesAlone) {
+  Random random(8);
+  for (int n = 0; n < 20; ++n) {
+    const Clump clump(randomSpheres(random, 15, 1e-3));
+    const TriangleMesh whole = clump.surface(16), outer = clump.outerSurface(16);
+    std::set<std::array<double, 3>> kept;
+    for (const auto& t : outer.triangles) kept.insert(middleOf(outer, t));
+    EXPECT_LT(outer.triangles.size(), whole.triangles.size());
+    EXPECT_EQ(kept.size(), outer.triangles.size());
+    std::size_t matched = 0;
+    for (const auto& t : whole.triangles) {
+      const bool isKept = kept.count(middleOf(whole, t)) > 0;
+      matched += isKept;
+      if (isKept) continue;
+      // A single sphere holds all of it.
+      const auto holds = [&](const ChildSphere& child) {
+        return std::all_of(t.begin(), t.end(), [&](int vertex) {
+          return (whole.vertices[static_cast<std::size_t>(vertex)] - child.centre).norm() < child.radius * (1 - 1e-12);
+        });
+      };
+      EXPECT_TRUE(std::any_of(clump.children().begin(), clump.children().end(), holds));
+    }
+    EXPECT_EQ(matched, outer.triangles.size()) << "triangles that the closed surfaces lack";
+  }
+}
+
+TEST(Clump, SurfacesOfSmallSpheresLieAsFarFromThemAsThatOfTheLargest) {
+  const std::vector<ChildSphere> spheres = {{Vec3::Zero(), 4e-3}, {Vec3(10e-3, 0, 0), 1e-3}};
+  const Clump clump(spheres);
+  constexpr int resolution = 40;
+  const TriangleMesh mesh = clump.surface(resolution);
+  std::array<double, 2> furthest{};
+  for (const auto& t : mesh.triangles) {
+    const auto sum = middleOf(mesh, t);
+    const Vec3 middle(sum[0] / 3, sum[1] / 3, sum[2] / 3);
+    const auto at = [&](std::size_t k) {
+      return (middle - clump.children()[k].centre).norm() / clump.children()[k].radius;
+    };
+    const std::size_t nearer = std::abs(at(0) - 1) < std::abs(at(1) - 1) ? 0 : 1;
+    furthest[nearer] = std::max(furthest[nearer], (1 - at(nearer)) * clump.children()[nearer].radius);
+  }
+  EXPECT_NEAR(furthest[1] / furthest[0], 1, 0.1);
 }
 
 TEST(SphereTree, FindsExactlyTheSpheresThatAreNear) {
