@@ -264,7 +264,8 @@ std::unique_ptr<World> makeStirred(const Family& family, const BedSettings& sett
   const std::size_t first = world->bodies.size();
   for (int k = 0; k < 100; ++k) {
     NewBody body;
-    body.pose.x = diameter * Vec3(1.02 * (k % 7), 1.02 * (k / 7 % 7), top / diameter + 1.1 + 1.02 * (k / 49));
+    const int column = k % 7, row = k / 7 % 7, layer = k / 49;
+    body.pose.x = diameter * Vec3(1.02 * column, 1.02 * row, top / diameter + 1.1 + 1.02 * layer);
     body.velocity = 0.05 * random.direction();
     body.spin = 10 * random.direction();
     world->addBody(body);

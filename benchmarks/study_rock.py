@@ -6,8 +6,10 @@ usage: study_rock.py MESH --out DIR [--demos build/release/demos] [--unit m] [--
 
 All have the volume and the density of the rock's hull scaled to that equal-volume diameter (a clump has the volume of
 the mesh), and the same contact parameters: law linear, k_n 1e4 N/m, e .5, no tension. The bed: --bed particles poured
-into a cylinder of radius five diameters, asleep where calm; the heap: --heap particles through a hopper onto the floor,
-an orifice of six diameters, ten above it, nobody asleep (sleepers don't feel what shakes a slope).
+into a cylinder of radius five diameters, asleep where calm; the heap: --heap particles one by one through a hopper, an
+orifice of six diameters, five above a floor with a rim of twelve diameters across and half a one high, more than it
+holds, so that the rest rolls away; nobody asleep (sleepers don't feel what shakes a slope). It ends at rest, or 1.5 s
+after the last particle: spheres on a floor roll on.
 
 Each run leaves DIR/<case>_<bed or heap>_<seed>; what is there is not done again, what was interrupted goes on. Writes
 DIR/rock.json and DIR/rock.md: solid fraction, coordination and repose angle as mean and standard deviation over the
