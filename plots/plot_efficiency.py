@@ -10,10 +10,9 @@ Exit codes: 0 done; 2 nothing to read; 3 matplotlib is missing.
 """
 
 import argparse
-import json
 import os
 
-from run_folder import EXIT_INPUT, need_pyplot, stop
+from run_folder import need_pyplot, read_study
 
 PAPER = {1: 1.58, 3: 3.3, 17: 22}
 PAPER_ELLIPSE = 4.1
@@ -24,11 +23,7 @@ def main():
     parser.add_argument("folder")
     parser.add_argument("--png")
     options = parser.parse_args()
-    path = os.path.join(options.folder, "efficiency.json")
-    if not os.path.exists(path):
-        stop(EXIT_INPUT, f"{path}: no such file")
-    with open(path) as file:
-        rows = {row["case"]: row for row in json.load(file)}
+    rows = {row["case"]: row for row in read_study(options.folder, "efficiency")}
     clumps = sorted((int(case), row) for case, row in rows.items() if case.isdigit())
     plt = need_pyplot()
     figure, (cost, pairs) = plt.subplots(1, 2, figsize=(11, 4.2))

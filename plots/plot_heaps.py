@@ -10,19 +10,16 @@ Exit codes: 0 done; 2 nothing to read; 3 matplotlib is missing.
 """
 
 import argparse
-import csv
 import glob
-import json
 import os
 
-from run_folder import EXIT_INPUT, need_pyplot, stop
+from run_folder import EXIT_INPUT, Table, need_pyplot, read_study, stop
 
 
 def read_surface(path):
     """Heights by distance, mm; distances in hundredths of a millimetre, to be equal where they are."""
-    with open(path, newline="") as file:
-        rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]
-    return {round(1e5 * float(distance)): 1e3 * float(height) for distance, height in rows[1:]}
+    table = Table(path)
+    return {round(1e5 * r): 1e3 * z for r, z in zip(table.columns["distance_m"], table.columns["height_m"])}
 
 
 def main():
@@ -30,11 +27,7 @@ def main():
     parser.add_argument("folder")
     parser.add_argument("--png")
     options = parser.parse_args()
-    path = os.path.join(options.folder, "rock.json")
-    if not os.path.exists(path):
-        stop(EXIT_INPUT, f"{path}: no such file")
-    with open(path) as file:
-        cases = json.load(file)
+    cases = read_study(options.folder, "rock")
     plt = need_pyplot()
     figure, (heaps, angles) = plt.subplots(1, 2, figsize=(11, 3.8), width_ratios=(2, 1))
     for k, case in enumerate(cases):

@@ -32,6 +32,15 @@ def need_pyplot():
     return plt
 
 
+def read_study(folder, name):
+    """What a study wrote into its folder as name.json. Ends the program where there is no such file."""
+    path = os.path.join(folder, f"{name}.json")
+    if not os.path.exists(path):
+        stop(EXIT_INPUT, f"{path}: no such file")
+    with open(path, encoding="utf-8") as file:
+        return json.load(file)
+
+
 class Table:
     """A CSV table: columns by name."""
 

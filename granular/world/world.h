@@ -65,9 +65,9 @@ struct World {
   SleepState sleep;
   std::int64_t nextId = 0;
 
+  static constexpr std::size_t chunkSize = 512;  ///< pairs
   /// Contacts of the present step, in chunks of consecutive pairs: each chunk is one thread's work, and the chunks do
   /// not depend on the number of threads. Bodies' chunks first, then the walls'.
-  static constexpr std::size_t chunkSize = 512;
   struct alignas(64) Chunk {  // no two share a line of the cache: threads write to them side by side
     /// Which of its active pairs need a look: those that touch, and those whose gap may have closed (due_pairs.cpp).
     struct Due {
