@@ -26,6 +26,9 @@ constexpr double namedNearness = 1e-5;
 /// The same for a guess, such as the direction of a gap, which is only good to the precision asked for.
 constexpr double guessNearness = 0.05;
 
+/// The same for the last normal of a pair whose pieces have changed: only what is tried hangs on it.
+constexpr double alignedNearness = 0.0175;
+
 bool isLine(const PieceName& name) {
   return name.kind == PieceName::edge || name.kind == PieceName::side || name.kind == PieceName::slope;
 }
@@ -151,6 +154,13 @@ PieceMinimum findLastPieces(const PairView& pair, Difference& c, const WarmCache
   const PieceName a = decodePiece(cache.featureA), b = decodePiece(cache.featureB);
   c.seed(vertexOf(pair.a, a), vertexOf(pair.b, b));
   return findPieceMinimum(c, a, b, cache.direction);
+}
+
+/// The minimum that the faces and lines across the last normal make, or what ends them.
+PieceMinimum findAlignedPieces(Difference& c, const Vec3& last) {
+  const PieceName a = namePiece(c.shapeA(), last, alignedNearness);
+  const PieceName b = namePiece(c.shapeB(), -c.frame().unrotate(last), alignedNearness);
+  return findNamedMinimum(c, a, b, last);
 }
 
 }  // namespace
@@ -288,6 +298,8 @@ bool touchConvex(const PairView& pair, WarmCache& cache, NarrowCounts& counts, T
   const bool warm = cache.touched && !pair.searchAlways;
   PieceMinimum nearby;
   if (warm) nearby = findLastPieces(pair, c, cache);
+  // Or those next to the last normal: a body that rocks on a flat end leaves one edge of it for another.
+  if (warm && !nearby.holds) nearby = findAlignedPieces(c, cache.direction);
   const bool byPieces = nearby.holds;
 
   // Or a face or a side next to the last normal.

@@ -4,23 +4,19 @@
 
 #include "granular/core/tolerances.h"
 #include "granular/narrow/epa.h"
+#include "granular/narrow/kept_proof.h"
 #include "granular/narrow/polyhedron_features.h"
 #include "granular/shape/ellipsoid.h"
 
 namespace granular {
 namespace {
 
-/// A kept proof leaves out the cone of 8 degrees around its normal, and serves normals within 2 degrees of it: nothing
-/// further than 10 degrees from a minimum is taken for granted.
+/// A kept proof leaves out the cone of 8 degrees around its normal: it serves normals within driftCosine of it.
 GrantedCone keptCone(const Vec3& axis) { return {axis, 0.99026806874157036, 0.13917310096006544}; }
-constexpr double driftCosine = 0.99939082701909576;
 GrantedCone grantedCone(const Vec3& axis) { return {axis, 0.98480775301220806, 0.17364817766693036}; }
 
 /// A second ring of directions, 35 degrees from the normal, for the first may not reach beyond the equator.
 constexpr double wideCosine = 0.81915204428899180, wideSine = 0.57357643635104610;
-
-/// What the single precision of a kept proof is good for, relative to the largest length.
-constexpr double keptPrecision = 1e-6;
 
 /// A point of C that supports a direction at some azimuth around the normal: its foot on the tangent plane, its height
 /// above the origin there.
@@ -123,20 +119,11 @@ double findFloorByRings(Difference& c, const LocalMinimum& m, const GrantedCone&
   return holdBeyond(std::min(near.floor, wide.floor), wide.reach);
 }
 
-/// How far any point of B may have moved in A's axes since a proof was made, m.
-double motionSince(const KeptProof& proof, const Difference& c) {
-  const Frame& now = c.frame();
-  const Eigen::Map<const Eigen::Matrix3f> turn(proof.turn.data());
-  const Eigen::Map<const Eigen::Vector3f> place(proof.place.data());
-  // The spectral norm of the difference of two rotations is its Frobenius norm over sqrt 2.
-  const double turned = (now.R - turn.cast<double>()).norm() * 0.70710678118654752;
-  return (now.x - place.cast<double>()).norm() + turned * c.shapeB().boundingRadius() + keptPrecision * c.extent();
-}
-
 bool keptProofHolds(const KeptProof& proof, const Difference& c, const LocalMinimum& m) {
   if (!(proof.floor > m.depth)) return false;
-  const Eigen::Map<const Eigen::Vector3f> axis(proof.axis.data());
-  return axis.cast<double>().dot(m.normal) >= driftCosine && m.depth + motionSince(proof, c) <= proof.floor;
+  const Mat3& R = c.frame().R;
+  const RelativePlace<double> now{toTriple(R.col(0)), toTriple(R.col(1)), toTriple(R.col(2)), toTriple(c.frame().x)};
+  return keptProofHolds(loadProof(proof), now, toTriple(m.normal), m.depth, c.shapeB().boundingRadius(), c.extent());
 }
 
 void keepProof(const Difference& c, const LocalMinimum& m, double floor, KeptProof& proof) {

@@ -12,19 +12,8 @@ namespace {
 /// Steps to convergence, and pieces tried, before the search is left to others.
 constexpr int maxSteps = 8, maxPieces = 4;
 
-/// A step longer than this (radians) leaves the neighbourhood of the last normal.
-constexpr double longestStep = 0.2;
-
-/// A step shorter than this leaves an error of its square.
-constexpr double lastStep = 1e-8;
-
 /// Sine of the angle between two lines below which they have no common normal to speak of.
 constexpr double leastSine = 1e-7;
-
-/// How far rounding may leave the slope from 0, in units of that of a support point; where the surface is flat, its
-/// radius of curvature takes the place of the bodies' size. The depth is then off by the slope's square over twice the
-/// radius, which stays below round-off up to the flattest, in units of that size.
-constexpr double slack = 1e3, flattest = 1e8;
 
 struct Pieces {
   Piece a, b;
@@ -62,9 +51,9 @@ bool solveFree(const Pieces& pieces, const Frame& frame, Vec3& n) {
     if (!(determinant > 0) || !(uu > 0)) return false;
     const Vec3 step = ((uv * gv - vv * gu) / determinant) * u + ((uv * gu - uu * gv) / determinant) * v;
     const double length2 = step.squaredNorm();
-    if (!(length2 < longestStep * longestStep)) return false;
+    if (!(length2 < longestNewtonStep * longestNewtonStep)) return false;
     n = (n + step).normalized();
-    if (length2 < lastStep * lastStep) return true;
+    if (length2 < lastNewtonStep * lastNewtonStep) return true;
   }
   return false;
 }
@@ -74,14 +63,13 @@ bool solveFree(const Pieces& pieces, const Frame& frame, Vec3& n) {
 /// angle, the rim adds R sqrt(s^2 + sigma^2) to h, the rest is -q s but for the depth's share; so s = sigma q /
 /// sqrt(R^2 - q^2) at the minimum. n receives this direction where it is that near to the cap's normal.
 void startOnFlatCap(const Pieces& pieces, const Frame& frame, const Vec3& axis, Vec3& n) {
-  constexpr double flat = 0.03;
   const bool rimOfA = pieces.a.name.kind == PieceName::rim;
   const Piece &rim = rimOfA ? pieces.a : pieces.b, &line = rimOfA ? pieces.b : pieces.a;
   if (rim.name.kind != PieceName::rim) return;
   Vec3 cap = rimOfA ? Vec3(Vec3::UnitZ()) : Vec3(frame.R.col(2));
   if (cap.dot(n) < 0) cap = -cap;
   const double sigma = cap.dot(axis);
-  if (!(cap.dot(n) > 1 - 0.5 * flat * flat) || !(std::abs(sigma) < flat)) return;
+  if (!(cap.dot(n) > 1 - 0.5 * flatCap * flatCap) || !(std::abs(sigma) < flatCap)) return;
 
   const Vec3 across = (cap - sigma * axis).normalized(), side = across.cross(axis);
   const Vec3 centre = rimOfA ? rim.first.middle : frame.toWorld(rim.first.middle);
@@ -97,7 +85,7 @@ bool solveOnCircle(const Pieces& pieces, const Frame& frame, const Vec3& axis, d
   const double radius = std::sqrt(1 - level * level);
   Vec3 out = n - n.dot(axis) * axis;
   const double across = out.norm();
-  if (!(std::abs(n.dot(axis) - level) < longestStep) || !(across > longestStep * radius)) return false;
+  if (!(std::abs(n.dot(axis) - level) < longestNewtonStep) || !(across > longestNewtonStep * radius)) return false;
   out *= radius / across;
   for (int k = 0; k < maxSteps; ++k) {
     n = level * axis + out;
@@ -108,11 +96,11 @@ bool solveOnCircle(const Pieces& pieces, const Frame& frame, const Vec3& axis, d
     const double bend = second(pieces, look, t, t) - look.w.dot(out);
     if (!(bend > 0)) return false;
     const double turn = -slope / bend;
-    if (!(std::abs(turn) < longestStep)) return false;
+    if (!(std::abs(turn) < longestNewtonStep)) return false;
     out += turn * along;
     out *= radius / out.norm();
     n = level * axis + out;
-    if (std::abs(turn) < lastStep) return true;
+    if (std::abs(turn) < lastNewtonStep) return true;
   }
   return false;
 }
@@ -130,7 +118,7 @@ bool solveOnCircles(const Vec3& p, double levelP, const Vec3& q, double levelQ, 
   const double rest = (1 - base.squaredNorm()) / sine2;
   if (!(rest > 0)) return false;
   const Vec3 found = (base + (n.dot(across) < 0 ? -std::sqrt(rest) : std::sqrt(rest)) * across).normalized();
-  if (!((found - n).squaredNorm() < longestStep * longestStep)) return false;
+  if (!((found - n).squaredNorm() < longestNewtonStep * longestNewtonStep)) return false;
   n = found;
   return true;
 }
@@ -173,12 +161,11 @@ Foot findFoot(const Pieces& pieces, const Vec3& slope, const Vec3& lineA, const 
 
 /// True if what is left of the slope is no more than rounding explains.
 bool isStationary(const Pieces& pieces, const Look& look, const Frame& frame, const Vec3& left, double extent) {
-  const double epsilon = 4 * std::numeric_limits<double>::epsilon();
   const double length = left.norm();
-  if (length <= slack * epsilon * extent) return true;
+  if (length <= slopeOfRoundOff * extent) return true;
   const Tangent t(frame, left / length);
   const double bend = second(pieces, look, t, t);
-  return bend < flattest * extent && length <= slack * epsilon * bend;
+  return bend < flattestPiece * extent && length <= slopeOfRoundOff * bend;
 }
 
 double outside(double fraction) { return std::max(-fraction, fraction - 1); }

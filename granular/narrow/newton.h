@@ -17,6 +17,23 @@
 
 namespace granular {
 
+/// A step longer than this (radians) leaves the neighbourhood of the last normal.
+inline constexpr double longestNewtonStep = 0.2;
+
+/// A step shorter than this (radians) leaves an error of its square.
+inline constexpr double lastNewtonStep = 1e-8;
+
+/// How far rounding may leave the slope from 0, in units of the largest length that enters a support point; where the
+/// surface is flat, its radius of curvature takes the place of that length.
+inline constexpr double slopeOfRoundOff = 1e3 * 4 * std::numeric_limits<double>::epsilon();
+
+/// The largest radius of curvature, in the same units, that does: the depth is then off by the slope's square over
+/// twice the radius, which stays below round-off up to here.
+inline constexpr double flattestPiece = 1e8;
+
+/// A cap that lies this nearly flat (radians) on a line begins from a direction of its own.
+inline constexpr double flatCap = 0.03;
+
 /// A local minimum of the depth and the pieces that make it.
 struct PieceMinimum {
   bool holds = false;

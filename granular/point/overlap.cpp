@@ -6,6 +6,7 @@
 
 #include "granular/point/clip.h"
 #include "granular/point/corner_overlap.h"
+#include "granular/point/disk_overlap.h"
 
 namespace granular {
 namespace {
@@ -218,7 +219,9 @@ bool measureOverlap(const ContactPlane& plane, const Shape& a, const Frame& fram
   const SurfaceSide sideA(plane, a, frameA, 1), sideB(plane, b, frameB, -1);
   if (sideA.dimension() == 1 || sideB.dimension() == 1) return false;
   out = OverlapArea{};
-  if (sideA.dimension() == 3 && sideB.dimension() == 3) {
+  if (sideA.isRound() && sideB.isRound()) {
+    measureDisks(sideA, sideB, power, out);
+  } else if (sideA.dimension() == 3 && sideB.dimension() == 3) {
     if (measureCorner(plane.feature, sideA, sideB, overlap, startSlack * overlap, power, out)) return true;
     out = OverlapArea{};
     FaceWalk(sideA, sideB, power, narrowestStrip).measure(plane.feature, overlap, out);

@@ -22,8 +22,8 @@ struct OverlapArea {
 /// pieces (sides of cylinders) count as strips as wide as the overlap is deep.
 bool measureOverlap(const ContactPlane& plane, const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB,
                     double overlap, const PowerChoice& power, OverlapArea& out);
-/// The same for two polyhedra by the walk over all cells alone. narrowest: strips beyond an edge that hold less than
-/// this part of the first cell are left out; 0 leaves out nothing.
+/// The same for two bodies with flat faces there by the walk over all cells alone. narrowest: strips beyond an edge
+/// that hold less than this part of the first cell are left out; 0 leaves out nothing.
 bool measureByWalk(const ContactPlane& plane, const Shape& a, const Frame& frameA, const Shape& b, const Frame& frameB,
                    double overlap, const PowerChoice& power, double narrowest, OverlapArea& out);
 

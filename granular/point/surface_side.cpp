@@ -5,9 +5,6 @@ namespace {
 
 std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k); }
 
-/// A round body's flat end and its side share the contacts of its rim: the flatter of the two takes them.
-constexpr double flatterCosine = 0.70710678118654752;
-
 /// Squared radius of the circle within the polygon of faceSamples corners, less round-off, over that about it.
 const double within2 = std::pow((1 - 1e-12) * std::cos(pi / faceSamples), 2);
 
@@ -63,6 +60,14 @@ void SurfaceSide::showPolygon(const Feature& feature) const {
   for (int k = 0; k < feature.count; ++k) {
     polygon.push(projectPoint(feature[sign > 0 ? k : feature.count - 1 - k]), noEdge);
   }
+}
+
+Oval SurfaceSide::oval() const {
+  const double across = std::sqrt(normal.x() * normal.x() + normal.y() * normal.y());
+  const Vec3 first = across > 0 ? Vec3(sign / across * Vec3(normal.x(), normal.y(), 0)) : Vec3(Vec3::UnitX());
+  const Vec3 second = sign * disk.normal.cross(first);
+  const auto turn = [&](const Vec3& d) -> Vec2 { return disk.radius * Vec2(u.dot(d), v.dot(d)); };
+  return {projectPoint(disk.centre), turn(first), turn(second)};
 }
 
 bool SurfaceSide::surelyHolds(const Vec2& x) const {

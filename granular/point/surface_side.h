@@ -28,6 +28,15 @@ struct ContactPlane {
 /// itself.
 inline constexpr double steepestCosine = 0.1;
 
+/// A round body's flat end and its side share the contacts of its rim: the flatter of the two takes them. Cosine of the
+/// normal to the axis.
+inline constexpr double flatterCosine = 0.70710678118654752;
+
+/// A round face as the contact sees it: centre + cos t first + sin t second, counter-clockwise in the contact plane.
+struct Oval {
+  Vec2 centre, first, second;
+};
+
 /// Body A is seen from above (sign 1), body B from below (sign -1).
 class SurfaceSide {
  public:
@@ -54,6 +63,8 @@ class SurfaceSide {
     return round != nullptr;
   }
   bool isRound() const { return round != nullptr; }
+  /// Of a round face; it begins at the azimuth of the contact's normal, as supportFace does.
+  Oval oval() const;
   /// Keeps the part of the segment in the round face, in place; false when nothing is left.
   bool clipToDisk(Segment& segment) const;
   /// Height of a face over the contact plane; of a segment: along it, the same at all places beside it.

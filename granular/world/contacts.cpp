@@ -154,12 +154,13 @@ bool areAll(ShapeKind kind, const World& world, Range range) {
   return areAll(world, range, [kind](const Shape& shape) { return shape.kind() == kind; });
 }
 
-/// What finds the contacts of these active pairs in batches, or null: flat-faced bodies of one kind.
+/// What finds the contacts of these active pairs in batches, or null: flat-faced bodies or cylinders, of one kind.
 auto chooseLooks(const World& world, Range range) -> decltype(World::Chunk::find) {
   const WorldOptions& options = world.options;
   if (options.noBatches || !options.skips.feature || options.rule.rule == PointRule::manifold) return nullptr;
   if (areAll(ShapeKind::cuboid, world, range)) return findCuboidContacts;
-  return areAll(ShapeKind::polyhedron, world, range) ? findPolyhedronContacts : nullptr;
+  if (areAll(ShapeKind::polyhedron, world, range)) return findPolyhedronContacts;
+  return areAll(ShapeKind::cylinder, world, range) ? findCylinderContacts : nullptr;
 }
 /// The same for active wall pairs: cuboids at flat walls at rest.
 auto chooseLooksAtWalls(const World& world, Range range) -> decltype(World::Chunk::find) {

@@ -8,7 +8,7 @@ namespace {
 
 std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
-class CuboidLooks : public LaneLooks<CuboidLooks, Group<FaceLook<Wide>>, Group<EdgeLook<Wide>>> {
+class CuboidLooks : public LaneLooks<CuboidLooks, CuboidFaceGroup, CuboidEdgeGroup> {
  public:
   CuboidLooks(World& chosen, World::Chunk& into) : LaneLooks(chosen, into), overlaps(chosen.options.rule) {}
 
@@ -17,8 +17,8 @@ class CuboidLooks : public LaneLooks<CuboidLooks, Group<FaceLook<Wide>>, Group<E
     return true;
   }
 
-  template <class AnyLook>
-  void begin(Group<AnyLook>& group) {
+  template <class Group>
+  void begin(Group& group) {
     lookAt(group);
     if (!places()) return;
     if (overlaps.cells.isFull(mostBoxCells)) overlaps.finish();
@@ -53,11 +53,12 @@ class CuboidLooks : public LaneLooks<CuboidLooks, Group<FaceLook<Wide>>, Group<E
     const Vec3& seatHalf = (seatIsA ? boxes.a : boxes.b).halfLengths();
     const Vec3& guestHalf = (seatIsA ? boxes.b : boxes.a).halfLengths();
     const int i = seatIsA ? cache.featureA : cache.featureB, k = i == 2 ? 0 : i + 1, l = 3 - i - k;
-    Group<FaceLook<Wide>>& group = faces.open();
-    group.add({last(), contact.pair, seatIsA},
-              {seat.col(k), seat.col(l), seat.col(i), guest.col(0), guest.col(1), guest.col(2),
-               Vec3(seatHalf[k], seatHalf[l], seatHalf[i]), guestHalf, seatIsA ? boxes.between : Vec3(-boxes.between)},
-              cuboidTie(boxes.a, boxes.b), boxes.a.innerRadius() + boxes.b.innerRadius());
+    auto& faces = groups<CuboidFaceGroup>();
+    faces.open().add(
+        {last(), contact.pair, seatIsA},
+        {seat.col(k), seat.col(l), seat.col(i), guest.col(0), guest.col(1), guest.col(2),
+         Vec3(seatHalf[k], seatHalf[l], seatHalf[i]), guestHalf, seatIsA ? boxes.between : Vec3(-boxes.between)},
+        {cuboidTie(boxes.a, boxes.b), boxes.a.innerRadius() + boxes.b.innerRadius()});
     closeIfFull(faces);
   }
 
@@ -67,17 +68,17 @@ class CuboidLooks : public LaneLooks<CuboidLooks, Group<FaceLook<Wide>>, Group<E
     const Vec3 &seatHalf = boxes.a.halfLengths(), &guestHalf = boxes.b.halfLengths();
     const int i = cache.featureA, k = i == 2 ? 0 : i + 1, l = 3 - i - k;
     const int j = cache.featureB, m = j == 2 ? 0 : j + 1, o = 3 - j - m;
-    Group<EdgeLook<Wide>>& group = edges.open();
-    group.add(
+    auto& edges = groups<CuboidEdgeGroup>();
+    edges.open().add(
         {last(), contact.pair, true},
         {seat.col(i), seat.col(k), seat.col(l), guest.col(j), guest.col(m), guest.col(o),
          Vec3(seatHalf[i], seatHalf[k], seatHalf[l]), Vec3(guestHalf[j], guestHalf[m], guestHalf[o]), boxes.between},
-        cuboidTie(boxes.a, boxes.b), boxes.a.innerRadius() + boxes.b.innerRadius());
+        {cuboidTie(boxes.a, boxes.b), boxes.a.innerRadius() + boxes.b.innerRadius()});
     closeIfFull(edges);
   }
 
-  static void lookAt(Group<FaceLook<Wide>>& group) { group.lookWith(lookAtFace<Wide>); }
-  static void lookAt(Group<EdgeLook<Wide>>& group) { group.lookWith(lookAtEdges<Wide>); }
+  static void lookAt(CuboidFaceGroup& group) { group.lookWith(lookAtFace<Wide>); }
+  static void lookAt(CuboidEdgeGroup& group) { group.lookWith(lookAtEdges<Wide>); }
 
   OverlapsInLanes overlaps;
 };

@@ -40,7 +40,7 @@ class CuboidsAtWalls {
     group.add({chunk.contacts.size() - 1, index, false},
               {u, plane.normal.cross(u), plane.normal, guest.col(0), guest.col(1), guest.col(2),
                Vec3::Constant(seatHalf(i)), cuboid.halfLengths(), (seatHalf(i) + height) * plane.normal},
-              cuboidTie(cuboid, cuboid), seatHalf(i) + cuboid.innerRadius());
+              {cuboidTie(cuboid, cuboid), seatHalf(i) + cuboid.innerRadius()});
     if (group.count == wideSize) finish();
   }
 
@@ -106,7 +106,7 @@ class CuboidsAtWalls {
   World& world;
   World::Chunk& chunk;
   const RuleOptions rule;
-  Group<FaceLook<Wide>> group;
+  CuboidFaceGroup group;
   OverlapsInLanes overlaps;
 };
 

@@ -1,7 +1,9 @@
 // Pairs on their way into lanes and back.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <new>
 
 #include "granular/point/patch_lanes.h"
 #include "granular/point/witness.h"
@@ -14,6 +16,37 @@ struct Waiting {
   std::size_t contact;  ///< in the chunk, to be filled
   std::int32_t index;   ///< of the pair
   bool seatIsA;
+};
+
+/// Pairs of one kind of look, a register full. Pairs: vectors, then numbers.
+template <class Pairs, class Look>
+struct LaneGroup {
+  static constexpr std::size_t fields = sizeof(Pairs) / sizeof(Wide);
+  std::size_t count = 0;
+  std::array<Waiting, wideSize> waiting;
+  union {  // side by side, and as add() fills them in: g++ and clang let either be read
+    Pairs pairs;
+    double lanes[fields][wideSize];
+  };
+  static_assert(sizeof pairs == sizeof lanes);
+  Look look;
+  OverlapLanes sums;
+
+  template <std::size_t vectorCount>
+  void add(const Waiting& one, const Vec3 (&vectors)[vectorCount], const double (&numbers)[fields - 3 * vectorCount]) {
+    std::size_t field = 0;
+    for (const Vec3& v : vectors) {
+      for (int axis = 0; axis < 3; ++axis) lanes[field++][count] = v[axis];
+    }
+    for (const double number : numbers) lanes[field++][count] = number;
+    waiting[count++] = one;
+  }
+  /// Looks at the pairs; lanes beyond the last repeat it.
+  template <class LookAt>
+  void lookWith(LookAt&& lookAt) {
+    for (auto& lane : lanes) std::fill(lane + count, lane + wideSize, lane[count - 1]);
+    ::new (&look) Look(lookAt(pairs));  // made where it stays: kilobytes
+  }
 };
 
 /// The lanes of a group that touch, without those beyond the last pair, so that nothing is integrated twice.

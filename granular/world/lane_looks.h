@@ -1,9 +1,11 @@
-// Looks at the pairs of a chunk in batches: what cuboids and polyhedra share. In a bed nearly all pairs touch as they
-// did in the last step: along the same face, or across the same edges. They are looked at side by side, and placed
-// while their geometry is at hand. Whatever is not proven there, a tie, another feature, a sliver, a birth, goes the
-// general way. A pair's answer does not depend on who shares its batch. Chunks of several kinds are looked at one by
-// one.
+// Looks at the pairs of a chunk in batches: what cuboids, polyhedra and cylinders share. In a bed nearly all pairs
+// touch as they did in the last step: along the same face, or across the same edges. They are looked at side by side,
+// and placed while their geometry is at hand. Whatever is not proven there, a tie, another feature, a sliver, a birth,
+// goes the general way. A pair's answer does not depend on who shares its batch. Chunks of several kinds are looked at
+// one by one.
 #pragma once
+
+#include <tuple>
 
 #include "granular/narrow/kernels.h"
 #include "granular/point/patch_lanes.h"
@@ -21,8 +23,9 @@ namespace granular {
 ///   void fetchWhere(pair)              starts to bring what a look will read, in two steps; default: its
 ///   void fetchWhat(pair)               cache
 ///   void nameApart(pair, cache)        before a touching pair is remembered as apart
-/// and endOverlap(look, sums, rule) ends the integrals of either look.
-template <class Kind, class FaceGroup, class EdgeGroup>
+///   PatchLanes placeGroup(group)       ends the integrals; default: endOverlap(look, sums, rule)
+/// Group...: one for each kind of look.
+template <class Kind, class... Group>
 class LaneLooks {
  public:
   /// Finds the contacts of chunk c.
@@ -40,40 +43,45 @@ class LaneLooks {
       take(world.activePairs[due[k]]);
       world.contactsOfPair[due[k]] = {before, static_cast<std::int32_t>(chunk.contacts.size()) - before};
     }
-    finish(faces);
-    finish(edges);
+    (finish(groups<Group>()), ...);
     keepTouching(due.data(), dueCount, world, chunk);
   }
 
+  template <class One>
+  PatchLanes placeGroup(const One& group) const {
+    return endOverlap(group.look, group.sums, world.options.rule);
+  }
   void fetchWhere(const Pair&) const {}
   void fetchWhat(const Pair& pair) const { __builtin_prefetch(&cacheOf(pair)); }
 
  protected:
-  LaneLooks(World& chosen, World::Chunk& into)
-      : world(chosen), chunk(into), placing(placesInLanes(chosen.options.rule.rule)) {}
+  /// placesThese: the rule is one that places in lanes.
+  LaneLooks(World& chosen, World::Chunk& into, bool placesThese) : world(chosen), chunk(into), placing(placesThese) {}
+  LaneLooks(World& chosen, World::Chunk& into) : LaneLooks(chosen, into, placesInLanes(chosen.options.rule.rule)) {}
 
-  /// Whether the rule is one that places in lanes.
   bool places() const { return placing; }
   /// The contact being added.
   std::size_t last() const { return chunk.contacts.size() - 1; }
 
   /// Groups of one kind; those closed wait for their integrals.
-  template <class Group>
+  template <class One>
   struct Groups {
     static constexpr std::size_t most = 2;  // their lanes and integrals stay in the first cache
-    std::array<Group, most> all;
+    std::array<One, most> all;
     std::size_t closed = 0;
-    Group& open() { return all[closed]; }
+    One& open() { return all[closed]; }
   };
-  template <class Group>
-  void closeIfFull(Groups<Group>& groups) {
-    if (groups.open().count == wideSize) close(groups);
+  template <class One>
+  Groups<One>& groups() {
+    return std::get<Groups<One>>(ofKinds);
+  }
+  template <class One>
+  void closeIfFull(Groups<One>& some) {
+    if (some.open().count == wideSize) close(some);
   }
 
   World& world;
   World::Chunk& chunk;
-  Groups<FaceGroup> faces;
-  Groups<EdgeGroup> edges;
 
  private:
   Kind& kind() { return static_cast<Kind&>(*this); }
@@ -102,27 +110,27 @@ class LaneLooks {
   }
 
   /// Takes the looks of the open group; ends all when there is no room for another.
-  template <class Group>
-  void close(Groups<Group>& groups) {
-    kind().begin(groups.open());
-    if (++groups.closed == Groups<Group>::most) endAll(groups);
+  template <class One>
+  void close(Groups<One>& some) {
+    kind().begin(some.open());
+    if (++some.closed == Groups<One>::most) endAll(some);
   }
 
   /// Ends the looks of all groups, the open one of which may be part full, and empties them.
-  template <class Group>
-  void finish(Groups<Group>& groups) {
-    if (groups.open().count > 0) close(groups);
-    if (groups.closed > 0) endAll(groups);
+  template <class One>
+  void finish(Groups<One>& some) {
+    if (some.open().count > 0) close(some);
+    if (some.closed > 0) endAll(some);
   }
-  template <class Group>
-  void endAll(Groups<Group>& groups) {
+  template <class One>
+  void endAll(Groups<One>& some) {
     kind().finishOverlaps();
-    for (std::size_t g = 0; g < groups.closed; ++g) end(groups.all[g]);
-    groups.closed = 0;
+    for (std::size_t g = 0; g < some.closed; ++g) end(some.all[g]);
+    some.closed = 0;
   }
 
-  template <class Group>
-  void end(Group& group) {
+  template <class One>
+  void end(One& group) {
     const auto& look = group.look;
     const auto x = spreadOut(look.x), z = spreadOut(look.z), middle = spreadOut(look.middle);
     for (std::size_t k = 0; k < group.count; ++k) {
@@ -179,10 +187,10 @@ class LaneLooks {
   }
 
   /// Places the contacts; the feature is named for those that will be placed one by one.
-  template <class Group>
-  void place(const Group& group, const TripleLanes<wideSize>& x) {
+  template <class One>
+  void place(const One& group, const TripleLanes<wideSize>& x) {
     const auto& look = group.look;
-    const PatchLanes patch = endOverlap(look, group.sums, world.options.rule);
+    const PatchLanes patch = kind().placeGroup(group);
     const Mask<Wide> touching = touchingLanes(group);
     const auto point = spreadOut(patch.point), centre = spreadOut(patch.centre);
     for (std::size_t k = 0; k < group.count; ++k) {
@@ -198,6 +206,7 @@ class LaneLooks {
     }
   }
 
+  std::tuple<Groups<Group>...> ofKinds;
   const bool placing;
 };
 

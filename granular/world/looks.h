@@ -51,8 +51,9 @@ void waitForGap(World& world, const Look& look);
 /// Finds and places the contacts of a chunk in which only cuboids meet, those that touched before in batches
 /// (cuboid_contacts.cpp); others, and those of rules that the batches don't know, are left for placeContactPoints.
 void findCuboidContacts(std::size_t c, World& world);
-/// The same for polyhedra (polyhedron_contacts.cpp).
+/// The same for polyhedra (polyhedron_contacts.cpp), and for cylinders (cylinder_contacts.cpp).
 void findPolyhedronContacts(std::size_t c, World& world);
+void findCylinderContacts(std::size_t c, World& world);
 /// The same for a chunk in which only cuboids meet flat walls at rest (cuboids_at_walls.cpp).
 void findCuboidsAtWalls(std::size_t c, World& world);
 

@@ -123,8 +123,10 @@ void lookAt(PolyhedronGroup<TipLook<Wide>>& group) {
   ::new (&group.look) TipLook<Wide>(lookAtTip(pairs));
 }
 
-class PolyhedronLooks
-    : public LaneLooks<PolyhedronLooks, PolyhedronGroup<TipLook<Wide>>, PolyhedronGroup<CrossingLook<Wide>>> {
+using TipGroup = PolyhedronGroup<TipLook<Wide>>;
+using CrossingGroup = PolyhedronGroup<CrossingLook<Wide>>;
+
+class PolyhedronLooks : public LaneLooks<PolyhedronLooks, TipGroup, CrossingGroup> {
  public:
   PolyhedronLooks(World& chosen, World::Chunk& into) : LaneLooks(chosen, into) {}
 
@@ -135,8 +137,7 @@ class PolyhedronLooks
       case WarmCache::faceOfB:
         return addTip(contact, cache, false);
       case WarmCache::edgePair:
-        addTo(edges.open(), contact, cache, true);
-        closeIfFull(edges);
+        addTo(groups<CrossingGroup>(), contact, cache, true);
         return true;
       default:
         return false;
@@ -174,14 +175,14 @@ class PolyhedronLooks
     const std::int32_t vertex = seatIsA ? cache.featureB : cache.featureA;
     if (tablesAt(seatIsA ? contact.a : contact.b).cornersOf(face).size() > mostAround) return false;
     if (tablesAt(seatIsA ? contact.b : contact.a).spokesOf(vertex).size() > mostAround) return false;
-    addTo(faces.open(), contact, cache, seatIsA);
-    closeIfFull(faces);
+    addTo(groups<TipGroup>(), contact, cache, seatIsA);
     return true;
   }
 
-  template <class AnyLook>
-  void addTo(PolyhedronGroup<AnyLook>& group, const Contact& contact, const WarmCache& cache, bool seatIsA) {
+  template <class One>
+  void addTo(Groups<One>& some, const Contact& contact, const WarmCache& cache, bool seatIsA) {
     const Bodies& bodies = world.bodies;
+    One& group = some.open();
     const std::size_t a = at(contact.a), b = at(contact.b), k = group.count++;
     group.waiting[k] = {last(), contact.pair, seatIsA};
     PartyLanes &ofA = seatIsA ? group.seat : group.guest, &ofB = seatIsA ? group.guest : group.seat;
@@ -194,6 +195,7 @@ class PolyhedronLooks
     group.shift.put(k, seatIsA ? contact.shift : Vec3(-contact.shift));
     group.tie[k] = tolerance::tie * std::min(bodies.shape[a]->size(), bodies.shape[b]->size());
     group.inner[k] = bodies.shape[a]->innerRadius() + bodies.shape[b]->innerRadius();
+    closeIfFull(some);
   }
 };
 

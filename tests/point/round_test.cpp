@@ -111,6 +111,53 @@ TEST(Round, EndsAreToldWithoutTheirCorners) {
   EXPECT_GT(ends, 1000);
 }
 
+TEST(Round, EndsOverlapAsTheWalkOverTheirCornersMeasuresThem) {
+  Random random(6);
+  int whole = 0, cut = 0;
+  for (int n = 0; n < 4000; ++n) {
+    const Cylinder lower(random.uniform(.3, 1), 1.5);
+    const Cone cone(random.uniform(.3, 1), 1.2);
+    const Cylinder cylinder(random.uniform(.3, 1), 1.2);
+    const Shape& upper = n % 4 ? static_cast<const Shape&>(cylinder) : cone;
+    // An end of either across the normal, tilted by up to 40 degrees, or by as good as nothing.
+    const Mat3 upright = random.rotation().toRotationMatrix();
+    const Vec3 normal = upright.col(2);
+    const auto tilt = [&](bool turnedOver) {
+      const double angle = (n % 3 ? .7 : 1e-4) * random.uniform(0, 1);
+      const Vec3 about = upright * Vec3(std::cos(n), std::sin(n), 0);
+      const Mat3 leaning = Eigen::AngleAxisd(angle, about).toRotationMatrix() * upright;
+      return Mat3(turnedOver ? leaning * Eigen::AngleAxisd(pi, Vec3::UnitX()).toRotationMatrix() : leaning);
+    };
+    Frame below(tilt(n % 2), Vec3::Zero()), above(tilt(false), Vec3::Zero());
+    const Vec3 top = below.toWorld(lower.support(below.unrotate(normal)));
+    const Vec3 bottom = above.toWorld(upper.support(above.unrotate(-normal)));
+    const double depth = std::pow(10, random.uniform(-4, -1));
+    above.x = top - bottom - depth * normal + upright * Vec3(random.uniform(-.4, .4), random.uniform(-.4, .4), 0);
+    const Vec3 onB = above.toWorld(upper.support(above.unrotate(-normal)));
+    const Touch touch{normal, depth, onB + depth * normal, onB};
+    const ContactPlane plane(touch);
+    for (const PowerChoice& power : {PowerChoice{}, PowerChoice{3, depth}}) {
+      OverlapArea found, right;
+      const bool overlap = measureOverlap(plane, lower, below, upper, above, depth, power, found);
+      ASSERT_EQ(overlap, measureByWalk(plane, lower, below, upper, above, depth, power, 0, right));
+      if (!overlap) continue;
+      const AreaMoments &f = found.moments, &r = right.moments;
+      const double slack = 1e-9 + 1e-13 / depth;  // round-off of heights moves the outline
+      EXPECT_NEAR(f.area, r.area, slack * r.area + 1e-15);
+      EXPECT_NEAR(f.volume, r.volume, slack * r.volume + 1e-15 * depth);
+      EXPECT_NEAR((f.first - r.first).norm(), 0, slack * r.area + 1e-15);
+      EXPECT_NEAR((f.firstOfVolume - r.firstOfVolume).norm(), 0, slack * r.volume + 1e-15 * depth);
+      EXPECT_NEAR(f.xx + f.yy, r.xx + r.yy, slack * r.area + 1e-15);
+      EXPECT_NEAR(f.square, r.square, slack * r.volume * depth + 1e-15 * depth * depth);
+      EXPECT_NEAR(f.powers.at, r.powers.at, slack * r.area + 1e-15);
+      EXPECT_NEAR(found.height, right.height, 1e-12);
+      (r.area > .05 ? whole : cut) += 1;
+    }
+  }
+  EXPECT_GT(whole, 700);
+  EXPECT_GT(cut, 700);
+}
+
 TEST(Cylinder, LyingAtLiftOffTouchesAtItsThirdPoint) {
   const Cylinder cylinder(.5, 2);
   const double depth = 1e-3, tilt = std::asin(depth / 2);
