@@ -33,18 +33,34 @@ struct WideStiffness {
   Wide normal, tangential, dampingNormal, dampingTangential;
 };
 
+/// What findLinearStiffness reads.
+struct StiffnessSource {
+  Wide inverseMu, inverseMt, stiffness, stiffnessRatio, dampingN, dampingT;
+
+  StiffnessSource(const ContactLanes& s, std::size_t k)
+      : inverseMu(s.a.inverseMass.load(k) + s.b.inverseMass.load(k)),
+        inverseMt(inverseMu + s.a.radiusRatio.load(k) + s.b.radiusRatio.load(k)),
+        stiffness(s.stiffness.load(k)),
+        stiffnessRatio(s.stiffnessRatio.load(k)),
+        dampingN(s.dampingN.load(k)),
+        dampingT(s.dampingT.load(k)) {}
+  bool operator==(const StiffnessSource& o) const {
+    return all(both(both(both(inverseMu == o.inverseMu, inverseMt == o.inverseMt),
+                         both(stiffness == o.stiffness, stiffnessRatio == o.stiffnessRatio)),
+                    both(dampingN == o.dampingN, dampingT == o.dampingT)));
+  }
+};
+
 /// findLinearStiffness.
-inline WideStiffness findLinearStiffness(const ContactLanes& s, std::size_t k) {
-  const Wide inverseMu = s.a.inverseMass.load(k) + s.b.inverseMass.load(k);
-  const Wide inverseMt = inverseMu + s.a.radiusRatio.load(k) + s.b.radiusRatio.load(k);
-  const Wide product = 1 / (inverseMu * inverseMt);
-  const Wide mu = inverseMt * product;
+inline WideStiffness findLinearStiffness(const StiffnessSource& s) {
+  const Wide product = 1 / (s.inverseMu * s.inverseMt);
+  const Wide mu = s.inverseMt * product;
   WideStiffness given;
-  given.normal = s.stiffness.load(k);
+  given.normal = s.stiffness;
   const Wide root = squareRoot(given.normal * mu);
-  given.tangential = given.normal * s.stiffnessRatio.load(k) * inverseMu * inverseMu * product;
-  given.dampingTangential = s.dampingT.load(k) * root * inverseMu * inverseMu * product;
-  given.dampingNormal = s.dampingN.load(k) * root;
+  given.tangential = given.normal * s.stiffnessRatio * s.inverseMu * s.inverseMu * product;
+  given.dampingTangential = s.dampingT * root * s.inverseMu * s.inverseMu * product;
+  given.dampingNormal = s.dampingN * root;
   return given;
 }
 
@@ -113,6 +129,10 @@ inline Triple<Wide> rubTangentially(const WideMotion& m, const Wide& stiffness, 
   const Triple<Wide> trial = stiffness * stuck + damping * slide;
   const Wide square = trial.dot(trial), slideSquare = slide.dot(slide), limitSquare = limit * limit;
   slides = square > limitSquare;
+  if (!any(slides)) {
+    spring = stuck;
+    return trial;
+  }
   Triple<Wide> bounded = (limit / squareRoot(square)) * trial;
   if (alongVelocity) {
     bounded = choose<Wide>(slideSquare > Wide{}, (limit / squareRoot(slideSquare)) * slide, bounded);
@@ -192,8 +212,16 @@ inline void pressAndRub(const LawOptions& options, const WideMotion& m, const Wi
 
 /// The law of the contacts of a batch.
 inline void applyLinearLawInLanes(const LawOptions& options, ContactLanes& s) {
+  if (s.count == 0) return;
+  StiffnessSource source(s, 0);
+  WideStiffness given = findLinearStiffness(source);
   for (std::size_t k = 0; k < s.count; k += wideSize) {
-    pressAndRub(options, WideMotion(s, k), findLinearStiffness(s, k), k, s);
+    // In a bed of equal bodies one root and one quotient serve all.
+    if (const StiffnessSource here(s, k); !(here == source)) {
+      source = here;
+      given = findLinearStiffness(source);
+    }
+    pressAndRub(options, WideMotion(s, k), given, k, s);
   }
 }
 

@@ -14,7 +14,7 @@ struct BallLook {
 inline BallLook lookAtBalls(const Vec3& a, double radiusA, const Vec3& b, double radiusB) {
   const Vec3 d = b - a;
   const double distance = d.norm();
-  return {distance > 0 ? Vec3(d / distance) : Vec3(Vec3::UnitX()), radiusA + radiusB - distance};
+  return {distance > 0 ? Vec3((1 / distance) * d) : Vec3(Vec3::UnitX()), radiusA + radiusB - distance};
 }
 
 /// The touch of two overlapping balls; a: centre of A, m.

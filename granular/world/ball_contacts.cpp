@@ -50,8 +50,8 @@ struct BallBatch : BriefBatch {
   }
 };
 
-/// Where two balls touch (narrow/ball_touch.h).
-void placeBalls(const Bodies& bodies, BallBatch& s) {
+/// Where two balls touch (narrow/ball_touch.h). elastic: lawReadsCurvature.
+void placeBalls(const Bodies& bodies, bool elastic, BallBatch& s) {
   for (std::size_t k = 0; k < s.count(); ++k) {
     s.bodyA.put(k, bodies.x[at(s.a[k])]);
     s.bodyB.put(k, bodies.x[at(s.b[k])]);
@@ -61,11 +61,10 @@ void placeBalls(const Bodies& bodies, BallBatch& s) {
     const Wide radii = radiusA + radiusB, inside = radii - distance;
     const Triple<Wide> between = s.between.load(k);
     const Mask<Wide> apart = distance > Wide{};
-    const Wide divisor = choose(apart, distance, spread(1));
-    const Triple<Wide> along = {between.x / divisor, between.y / divisor, between.z / divisor};
+    const Triple<Wide> along = Wide(1 / choose(apart, distance, spread(1))) * between;
     const Triple<Wide> n = choose<Wide>(apart, along, {spread(1), Wide{}, Wide{}});
     const Triple<Wide> middle = s.ballA.load(k) + Wide(radiusA - 0.5 * inside) * n;
-    s.contacts.radius.store(k, radiusA * radiusB / radii);
+    if (elastic) s.contacts.radius.store(k, radiusA * radiusB / radii);
     s.place(k, {n, inside, middle}, s.bodyA.load(k), s.bodyB.load(k));
   }
 }
@@ -94,7 +93,7 @@ class BallLooks {
 
   /// Through the law with what waits.
   void finish() {
-    placeBalls(world.bodies, batch);
+    placeBalls(world.bodies, lawReadsCurvature(world.options.law), batch);
     batch.press(chunk);
   }
 

@@ -37,17 +37,16 @@ Triple<Wide> loadCentres(const Bodies& bodies, const std::int32_t* slots) {
   return loadVectors(centres);
 }
 
-/// Where the spheres of the register from lane k on touch (narrow/ball_touch.h).
-void placeSpheres(const Bodies& bodies, std::size_t k, SphereBatch& s) {
+/// Where the spheres of the register from lane k on touch (narrow/ball_touch.h). elastic: lawReadsCurvature.
+void placeSpheres(const Bodies& bodies, bool elastic, std::size_t k, SphereBatch& s) {
   const Triple<Wide> xA = loadCentres(bodies, &s.a[k]), xB = loadCentres(bodies, &s.b[k]);
   const Triple<Wide> between = xB + s.shift.load(k) - xA;
   const Wide distance = between.norm(), radiusA = s.radiusA.load(k), radiusB = s.radiusB.load(k);
   const Wide radii = radiusA + radiusB, inside = radii - distance;
   const Mask<Wide> apart = distance > Wide{};
-  const Wide divisor = choose(apart, distance, spread(1));
-  const Triple<Wide> along = {between.x / divisor, between.y / divisor, between.z / divisor};
+  const Triple<Wide> along = Wide(1 / choose(apart, distance, spread(1))) * between;
   const Triple<Wide> n = choose<Wide>(apart, along, {spread(1), Wide{}, Wide{}});
-  s.contacts.radius.store(k, radiusA * radiusB / radii);
+  if (elastic) s.contacts.radius.store(k, radiusA * radiusB / radii);
   s.smallerRadius.store(k, smaller(radiusA, radiusB));
   s.place(k, {n, inside, xA + Wide(radiusA - 0.5 * inside) * n}, xA, xB);
 }
@@ -56,7 +55,11 @@ void placeSpheres(const Bodies& bodies, std::size_t k, SphereBatch& s) {
 class SphereLooks {
  public:
   SphereLooks(double dt, World& of, World::Chunk& into)
-      : world(of), chunk(into), anyHeld(!of.pairs.memory.held.empty()), batch(ownOfThread<SphereBatch>()) {
+      : world(of),
+        chunk(into),
+        anyHeld(!of.pairs.memory.held.empty()),
+        elastic(lawReadsCurvature(of.options.law)),
+        batch(ownOfThread<SphereBatch>()) {
     batch.begin(dt, of);
   }
 
@@ -79,7 +82,7 @@ class SphereLooks {
     if (batch.count() == 0) return;
     chunk.counts.warm += batch.count();
     batch.fillRegister();
-    for (std::size_t k = 0; k < batch.count(); k += wideSize) placeSpheres(world.bodies, k, batch);
+    for (std::size_t k = 0; k < batch.count(); k += wideSize) placeSpheres(world.bodies, elastic, k, batch);
     for (std::size_t k = 0; k < batch.count(); ++k) {
       if (!(batch.contacts.overlap[k] > 0)) part(k);
     }
@@ -99,6 +102,7 @@ class SphereLooks {
   World& world;
   World::Chunk& chunk;
   const bool anyHeld;  ///< contacts between bodies at rest
+  const bool elastic;
   SphereBatch& batch;
 };
 
