@@ -145,6 +145,7 @@ void run(Settings& settings) {
     return std::ranges::count(settings.skip, "all") + std::ranges::count(settings.skip, name) > 0;
   };
   options.skips = {skips("broad_phase"), skips("gjk"), skips("epa"), skips("orientation")};
+  options.keepSlots = !skips("scatter");
   if (!settings.poses.empty()) settings.bed.scene = "cubes";
   const std::size_t before = heapBytes();
   const std::unique_ptr<World> world =
@@ -177,9 +178,9 @@ int parseAndRun(int argc, char** argv) {
   app.add_option("--seed", settings.bed.seed, "of the bed");
   app.add_option("--rule", settings.rule, "contact-point rule");
   app.add_option("--law", settings.law, "linear, linear_local or tensor");
-  app.add_option("--skip", settings.skip, "what to skip: all, none, or names (broad_phase,gjk,epa,orientation)")
+  app.add_option("--skip", settings.skip, "what to skip: all, none, or names (broad_phase,gjk,epa,orientation,scatter)")
       ->delimiter(',')
-      ->check(CLI::IsMember({"all", "none", "broad_phase", "gjk", "epa", "orientation"}));
+      ->check(CLI::IsMember({"all", "none", "broad_phase", "gjk", "epa", "orientation", "scatter"}));
   app.add_flag("--shuffled", settings.bed.shuffled, "dense beds: bodies in an order at random, as they were poured");
   app.add_flag("--no-batches", settings.bed.options.noBatches, "work on every body, pair and contact one by one");
   app.add_option("--threads", settings.threads, "OpenMP threads")->check(CLI::PositiveNumber);

@@ -1,5 +1,10 @@
 #include "granular/body/bodies.h"
 
+#include <algorithm>
+#include <numeric>
+
+#include "granular/core/pick.h"
+
 namespace granular {
 
 void Bodies::reserve(std::size_t count) {
@@ -77,20 +82,23 @@ void Bodies::release(std::size_t i) {
   radiusRatio[i] = shape[i]->massProperties().meanSquareRadius / inertia[i].mean();
 }
 
-void Bodies::remove(const std::vector<bool>& gone) {
-  const auto compact = [&](auto& column) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < gone.size(); ++i) {
-      if (!gone[i]) column[kept++] = column[i];
-    }
-    column.resize(kept);
-  };
-  visitState([&](const char*, auto& column) { compact(column); });
-  compact(frame);
-  compact(boundingRadius);
-  compact(shape);
-  compact(turning);
+void Bodies::rearrange(const std::vector<std::int32_t>& order) {
+  const auto lay = [&](auto& column) { column = pick(column, order); };
+  visitState([&](const char*, auto& column) { lay(column); });
+  lay(frame);
+  lay(boundingRadius);
+  lay(shape);
+  lay(turning);
   listStale = true;
+}
+
+std::vector<std::int32_t> Bodies::slotsById() const {
+  std::vector<std::int32_t> slots(size());
+  std::iota(slots.begin(), slots.end(), 0);
+  std::sort(slots.begin(), slots.end(), [&](std::int32_t i, std::int32_t j) {
+    return id[static_cast<std::size_t>(i)] < id[static_cast<std::size_t>(j)];
+  });
+  return slots;
 }
 
 const Bodies::MovingList& Bodies::listMoving() const {

@@ -1,6 +1,6 @@
 // The bodies, as a structure of arrays: what the force loop reads each step apart from what it reads rarely.
-// Index = slot, in the order in which bodies came, without those that left; id = the stable number a user and a
-// checkpoint know.
+// Index = slot: in the order in which bodies came, without those that left, unless the world lays them in an order of
+// its own (WorldOptions::keepSlots); id = the stable number a user and a checkpoint know.
 #pragma once
 
 #include <cstdint>
@@ -106,8 +106,10 @@ struct Bodies {
   void hold(std::size_t i, BodyState as);
   void release(std::size_t i);
 
-  /// Removes the slots marked in `gone`, keeping the order of the others.
-  void remove(const std::vector<bool>& gone);
+  /// Body order[k] moves to slot k; those that it does not name, each at most once, are removed.
+  void rearrange(const std::vector<std::int32_t>& order);
+  /// All slots, those of lower ids first.
+  std::vector<std::int32_t> slotsById() const;
 
   /// Calls visit(name, column) for every array of state that a checkpoint must hold.
   template <class Visitor>

@@ -105,7 +105,8 @@ Table tabulateParticles(const Bodies& b, const std::vector<int>& coordination) {
                    "qz",      "vx_m_per_s", "vy_m_per_s", "vz_m_per_s", "wx_rad_per_s", "wy_rad_per_s", "wz_rad_per_s",
                    "mass_kg", "size_m",     "shape",      "material",   "contacts",     "state"};
   const double nan = std::nan("");
-  for (std::size_t k = 0; k < b.size(); ++k)
+  for (const std::int32_t slot : b.slotsById()) {
+    const auto k = static_cast<std::size_t>(slot);
     table.rows.push_back({static_cast<double>(b.id[k]),
                           b.x[k].x(),
                           b.x[k].y(),
@@ -126,6 +127,7 @@ Table tabulateParticles(const Bodies& b, const std::vector<int>& coordination) {
                           static_cast<double>(b.material[k]),
                           coordination.empty() ? nan : static_cast<double>(coordination[k]),
                           static_cast<double>(b.state[k])});
+  }
   return table;
 }
 

@@ -4,8 +4,10 @@
 
 #include <array>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
+#include "granular/core/pick.h"
 #include "granular/pair/child_pair.h"
 #include "granular/pair/contact.h"
 #include "granular/pair/history.h"
@@ -17,7 +19,7 @@ namespace granular {
 /// How many periods B's image is away from its stored position.
 using Image = std::array<std::int32_t, 3>;
 
-/// Two bodies whose grown bounds overlap; a has the lower id. Sorted by (id of a, id of b, image).
+/// Two bodies whose grown bounds overlap; a has the lower id. Sorted by (a, b, image).
 struct Pair {
   std::int32_t a, b;  ///< slots in Bodies
   std::int32_t slot;  ///< in PairMemory
@@ -26,6 +28,11 @@ struct Pair {
   double quietUntil;
 };
 
+/// The order of the pair list.
+inline bool comesBefore(const Pair& p, const Pair& q) {
+  return std::tie(p.a, p.b, p.image) < std::tie(q.a, q.b, q.image);
+}
+
 /// History of one contact among several of a pair: walls, clumps and the `manifold` rule.
 struct SpotHistory {
   Spot spot;
@@ -33,7 +40,7 @@ struct SpotHistory {
   SpringEnergy energy;
 };
 
-/// A body near a wall. Sorted by (id of body, wall).
+/// A body near a wall. Sorted by (body, wall).
 struct WallPair {
   std::int32_t body, wall;
   double quietUntil;               ///< as for Pair, with the wall's travel
@@ -89,6 +96,22 @@ struct PairMemory {
     return slot;
   }
   void give(std::int32_t slot) { free.push_back(slot); }
+
+  /// The memory in slot order[k] moves to slot k; what order does not name is forgotten.
+  void rearrange(const std::vector<std::int32_t>& order) {
+    const auto lay = [&](auto& column) {
+      if (column.empty()) return;
+      column.resize(size());
+      column = pick(column, order);
+    };
+    lay(held);
+    lay(cache);
+    lay(manifolds);
+    lay(clumps);
+    lay(energy);
+    lay(history);
+    free.clear();
+  }
 
   /// Calls visit(contact) for every held contact of a pair.
   template <class Visitor>

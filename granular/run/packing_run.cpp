@@ -126,7 +126,8 @@ void PackingRun::placePoses() {
     // The bodies of an earlier run, at rest where they were.
     const PackingRun earlier = PackingRun::resumed(insertion.file);
     const World& old = earlier.world();
-    for (std::size_t i = 0; i < old.bodies.size(); ++i) {
+    for (const std::int32_t slot : old.bodies.slotsById()) {
+      const auto i = static_cast<std::size_t>(slot);
       const std::string& material = old.materials.name(old.bodies.material[i]);
       const auto isNamed = [&](const MaterialSettings& known) { return known.name == material; };
       require(std::any_of(settings.materials.begin(), settings.materials.end(), isNamed),

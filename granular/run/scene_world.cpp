@@ -64,6 +64,7 @@ WorldOptions makeOptions(const Scene& scene) {
   options.skips.separation = skips(scene, "gjk");
   options.skips.feature = skips(scene, "epa");
   options.skips.orientation = skips(scene, "orientation");
+  options.keepSlots = !skips(scene, "scatter");
   options.sleep.on = scene.settle.kind == SettleSettings::Kind::sleep && skips(scene, "sleep");
   require(!options.sleep.on || options.rule.rule != PointRule::manifold,
           scene.file.string() +
@@ -208,6 +209,7 @@ std::string describeSkips(const Scene& scene) {
   say("gjk", "while a proven gap is not used up");
   say("epa", "while the last feature is verified to be the answer");
   say("orientation", "of balls, which spin but keep q = 1");
+  say("scatter", "of neighbours in memory, in beds beyond the caches");
   parts.push_back(scene.settle.kind != SettleSettings::Kind::sleep ? "sleep: not asked for"
                   : skips(scene, "sleep")                          ? "sleep: bodies at rest, until their force changes"
                                                                    : "sleep: off");

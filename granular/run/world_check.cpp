@@ -137,15 +137,12 @@ void checkPairs(const World& world) {
     taken[at(slot)] = true;
   };
   for (const std::int32_t slot : memory.free) take("memory/free", slot);
-  const auto keyOf = [&](const Pair& pair) {
-    return std::tuple(world.bodies.id[at(pair.a)], world.bodies.id[at(pair.b)], pair.image);
-  };
   const Pair* before = nullptr;
   for (const Pair& pair : world.pairs.pairs) {
     requireIndex("pairs/a", pair.a, n);
     requireIndex("pairs/b", pair.b, n);
     take("pairs/slot", pair.slot);
-    if (world.bodies.id[at(pair.a)] >= world.bodies.id[at(pair.b)] || (before && keyOf(*before) >= keyOf(pair)))
+    if (world.bodies.id[at(pair.a)] >= world.bodies.id[at(pair.b)] || (before && !comesBefore(*before, pair)))
       refuse("pairs are not in the order of their keys");
     checkMemory(world, pair);
     before = &pair;
@@ -157,7 +154,7 @@ void checkWallPairs(const World& world) {
   for (const WallPair& pair : world.pairs.wallPairs) {
     requireIndex("wall_pairs/body", pair.body, world.bodies.size());
     requireIndex("wall_pairs/wall", pair.wall, world.walls.size());
-    const auto keyOf = [&](const WallPair& p) { return std::tuple(world.bodies.id[at(p.body)], p.wall); };
+    const auto keyOf = [&](const WallPair& p) { return std::tuple(p.body, p.wall); };
     if (before && keyOf(*before) >= keyOf(pair)) refuse("wall_pairs are not in the order of their keys");
     for (const ChildPair& child : pair.children.near)
       checkChild("wall_pairs/children/a", child.childA, childCount(world, pair.body));

@@ -9,11 +9,6 @@ namespace {
 
 bool canMove(const Bodies& bodies, std::size_t i) { return bodies.state[i] != BodyState::frozen; }
 
-auto keyOf(const Bodies& bodies, const Pair& pair) {
-  return std::make_tuple(bodies.id[static_cast<std::size_t>(pair.a)], bodies.id[static_cast<std::size_t>(pair.b)],
-                         pair.image);
-}
-
 }  // namespace
 
 bool Search::isDue(const Bodies& bodies, double wallTravel) const {
@@ -158,15 +153,14 @@ void Search::mergePairs(const Bodies& bodies, PairList& list) {
     }
     found.push_back(pair);
   }
-  const auto before = [&](const Pair& p, const Pair& q) { return keyOf(bodies, p) < keyOf(bodies, q); };
-  std::sort(found.begin(), found.end(), before);
+  std::sort(found.begin(), found.end(), comesBefore);
 
   list.memory.reserve(found.size());
   // Old and new lists are both in key order: one pass carries the memory over.
   std::size_t old = 0;
   for (Pair& pair : found) {
-    while (old < list.pairs.size() && before(list.pairs[old], pair)) list.memory.give(list.pairs[old++].slot);
-    if (old < list.pairs.size() && !before(pair, list.pairs[old])) {
+    while (old < list.pairs.size() && comesBefore(list.pairs[old], pair)) list.memory.give(list.pairs[old++].slot);
+    if (old < list.pairs.size() && !comesBefore(pair, list.pairs[old])) {
       pair.slot = list.pairs[old].slot;
       pair.quietUntil = list.pairs[old].quietUntil;
       ++old;

@@ -2,15 +2,13 @@
 
 #include <type_traits>
 
+#include "granular/core/pick.h"
+
 namespace granular {
 
-void SleepState::remove(const std::vector<bool>& gone) {
+void SleepState::rearrange(const std::vector<std::int32_t>& order) {
   visitColumns([&](const char*, auto& column, auto&&...) {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < column.size(); ++i) {
-      if (!gone[i]) column[kept++] = column[i];
-    }
-    column.resize(kept);
+    if (!column.empty()) column = pick(column, order);
   });
 }
 

@@ -51,8 +51,8 @@ struct SleepState {
   void resize(std::size_t bodies);
   /// Of a body that wakes: it has not been slow yet.
   void startAwake(std::size_t i);
-  /// Removes the slots marked in `gone`, as Bodies::remove does.
-  void remove(const std::vector<bool>& gone);
+  /// As Bodies::rearrange; every slot has its entries, or none has.
+  void rearrange(const std::vector<std::int32_t>& order);
 };
 
 /// Lets bodies fall asleep (mayFall: not in this call, if false) and wakes them, after the forces of a step are

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "granular/core/share_out.h"
+#include "granular/world/order.h"
 #include "granular/world/stages.h"
 
 namespace granular {
@@ -86,6 +87,7 @@ void step(World& world, double dt) {
   timer.lap(Stage::walls);
   world.pairWay += 2 * predict(dt, world.options, world.bodies);  // x, q, v, w at t_{n+1}
   timer.lap(Stage::predict);
+  layInOrder(world);        // only if neighbours lie far apart in memory
   refreshPairs(dt, world);  // only after the skin is used up
   timer.lap(Stage::search);
   makeContacts(dt, world);  // findContacts, placeContactPoints, applyForceLaws

@@ -1,5 +1,8 @@
 #include "granular/world/world.h"
 
+#include <algorithm>
+#include <tuple>
+
 #include "granular/core/errors.h"
 
 namespace granular {
@@ -85,37 +88,54 @@ void wakeNeighbours(const std::vector<bool>& gone, World& world) {
 
 void World::removeBodies(const std::vector<bool>& gone) {
   wakeNeighbours(gone, *this);
+  std::vector<std::int32_t> kept;
+  for (std::size_t i = 0; i < gone.size(); ++i) {
+    if (!gone[i]) kept.push_back(static_cast<std::int32_t>(i));
+  }
+  rearrange(kept);
+}
 
-  // New slot numbers, -1 for the removed.
-  std::vector<std::int32_t> slotOf(gone.size());
-  std::int32_t kept = 0;
-  for (std::size_t i = 0; i < gone.size(); ++i) slotOf[i] = gone[i] ? -1 : kept++;
+void World::rearrange(const std::vector<std::int32_t>& order) {
+  const auto at = [](std::int32_t k) { return static_cast<std::size_t>(k); };
+  std::vector<std::int32_t> slotOf(bodies.size(), -1);  // -1: removed
+  for (std::size_t k = 0; k < order.size(); ++k) slotOf[at(order[k])] = static_cast<std::int32_t>(k);
 
   std::vector<Pair> left;
   for (Pair pair : pairs.pairs) {
-    pair.a = slotOf[static_cast<std::size_t>(pair.a)];
-    pair.b = slotOf[static_cast<std::size_t>(pair.b)];
-    if (pair.a < 0 || pair.b < 0) {
-      pairs.memory.give(pair.slot);
-      continue;
-    }
-    left.push_back(pair);
+    pair.a = slotOf[at(pair.a)];
+    pair.b = slotOf[at(pair.b)];
+    if (pair.a >= 0 && pair.b >= 0) left.push_back(pair);
+  }
+  std::sort(left.begin(), left.end(), comesBefore);
+  // The memory goes in the order of the pairs, as a step reads it.
+  std::vector<std::int32_t> memoryOrder;
+  for (Pair& pair : left) {
+    memoryOrder.push_back(pair.slot);
+    pair.slot = static_cast<std::int32_t>(memoryOrder.size()) - 1;
+  }
+  pairs.memory.rearrange(memoryOrder);
+  for (const Pair& pair : left) {
     pairs.memory.visitHeld(pair, [&pair](Contact& held) {
       held.a = pair.a;
       held.b = pair.b;
     });
   }
   pairs.pairs.swap(left);
+
   std::vector<WallPair> leftAtWalls;
   for (WallPair& pair : pairs.wallPairs) {
-    pair.body = slotOf[static_cast<std::size_t>(pair.body)];
+    pair.body = slotOf[at(pair.body)];
     if (pair.body < 0) continue;
     for (Contact& contact : pair.held) contact.a = pair.body;
     leftAtWalls.push_back(std::move(pair));
   }
+  std::sort(leftAtWalls.begin(), leftAtWalls.end(),
+            [](const WallPair& p, const WallPair& q) { return std::tie(p.body, p.wall) < std::tie(q.body, q.wall); });
   pairs.wallPairs.swap(leftAtWalls);
-  bodies.remove(gone);
-  sleep.remove(gone);
+
+  if (options.sleep.on) sleep.resize(bodies.size());
+  bodies.rearrange(order);
+  sleep.rearrange(order);
   chunks.clear();  // the contacts of the last step name the old slots
   heldForce.clear();
   heldTorque.clear();

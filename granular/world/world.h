@@ -37,7 +37,10 @@ struct WorldOptions {
   Periods periods;
   double skin = 0.1;        ///< of the search, in equal-volume radii
   bool bruteForce = false;  ///< the oracle of the broad phase
-  bool noBatches = false;   ///< every body, pair and contact by itself: the oracle of what is worked on in batches
+  /// False: bodies whose neighbours lie far away in memory may be given other slots by a step (world/order.h); ids and
+  /// motion stay what they are, but for round-off.
+  bool keepSlots = true;
+  bool noBatches = false;  ///< every body, pair and contact by itself: the oracle of what is worked on in batches
   Skips skips;
   SleepOptions sleep;
   double expectedOverlap = 0.02;  ///< largest, over the size: for the time step where stiffness grows with overlap
@@ -62,6 +65,7 @@ struct World {
 
   PairList pairs;
   Search search;
+  std::uint64_t orderLookedAt = ~std::uint64_t{0};  ///< search.refreshes of the pairs whose bodies' order will do
   SleepState sleep;
   std::int64_t nextId = 0;
 
@@ -147,6 +151,8 @@ struct World {
   /// Removes the marked slots with their pairs. Sleepers that touched one of them wake; other contacts at rest stay,
   /// those of moving bodies are found again by the next step.
   void removeBodies(const std::vector<bool>& gone);
+  /// Body order[k] moves to slot k with its pairs; bodies that it does not name are removed.
+  void rearrange(const std::vector<std::int32_t>& order);
 
   /// Calls visit(const Contact&) for every contact of the last step in the order of the pairs, then for those held
   /// between bodies at rest.
