@@ -4,8 +4,9 @@
 usage: roofline.py --builds build/release/benchmarks [--out DIR]
 
 Counts the instructions of the kernels that work on a register full of contacts at a time, in the disassembly of
-`scenes` (objdump): their code has hardly a loop or a branch, so that what is written down is nearly what is done (what
-is written for the last, part full register is counted too). Arithmetic on whole registers, divisions, square roots and
+`scenes` (objdump): their code has hardly a branch, so that what is written down is nearly what is done (what is written
+for the last, part full register, and for what is rare, is counted too). A loop counts as often as the table below says
+that it is run. Arithmetic on whole registers, divisions, square roots and
 shuffles; bytes loaded and stored. Runs `machine` for the machine's throughput of each, and `scenes` for the time of a
 contact in the whole step, and prints, per contact, the least time that each limit allows. Writes DIR/roofline.md as well.
 Exit codes: 0 done; 1 a program failed; 2 a kernel is not in the disassembly (another compiler, another instruction set).
@@ -19,10 +20,18 @@ import re
 import subprocess
 import sys
 
-# Kernels of a scene: functions (by the demangled name) and how often a register full of contacts runs through them.
+# Kernels of a scene: functions (by the demangled name), how often a register full of contacts runs through them (of
+# looks at features: the share of contacts that have such a feature in the scene), and through a loop within them.
 BOTH_WAYS = [(r"granular::BriefBatch::load\(\)", 1), (r"granular::BriefBatch::store\(", 1),
              (r"granular::ContactLanes::Party::put\(", 2), (r"granular::ContactLanes::takePulls\(", 1)]
 LINEAR_LAW = [(r"granular::applyLinearLawInLanes\(", 1), (r"granular::pressAndRub\(granular::LawOptions", 1)]
+PLACE = [(r"^granular::findPress\(", 1), (r"^granular::placePress\(", 1)]
+
+
+def look(kind, function):
+    return rf"^granular::{kind}Look<double __vector\(\d\)> granular::{function}<"
+
+
 SCENES = {
     "spheres": (["--scene", "spheres", "--count", "1000"],
                 {"finding": [(r"\(anonymous namespace\)::placeSpheres\(", 1)], "in and out": BOTH_WAYS, "law": LINEAR_LAW}),
@@ -30,6 +39,24 @@ SCENES = {
                    {"finding": [(r"EllipsoidLooks::findRegister\(", 1),
                                 (r"NewtonAnswer<double __vector\(\d\)> granular::takeTwoSteps", 1)],
                     "in and out": BOTH_WAYS, "law": LINEAR_LAW}),
+    # An edge of one across one of the other, or a corner in a face. Overlaps that reach over an edge go by cells, which
+    # are not counted.
+    "cubes": (["--scene", "cubes", "--count", "500"],
+              {"finding": [(look("Edge", "lookAtEdges"), .64), (look("Face", "lookAtFace"), .36)],
+               "overlap": [(r"^granular::beginOverlap\(granular::EdgeLook", .64),
+                           (r"^granular::beginOverlap\(granular::FaceLook", .36),
+                           (r"endAnyOverlap<granular::EdgeLook", .64), (r"endAnyOverlap<granular::FaceLook", .36)],
+               "law": LINEAR_LAW}),
+    "rocks20": (["--scene", "rocks20", "--count", "500"],
+                {"finding": [(look("Crossing", "lookAtCrossing"), .64), (look("Tip", "lookAtTip"), .36, 4.3)],
+                 "overlap": [(r"^granular::integrateOverlap\(granular::CrossingLook", .64),
+                             (r"^granular::integrateOverlap\(granular::TipLook", .36, 5.6), *PLACE],
+                 "law": LINEAR_LAW}),
+    # A side across a side, a rim on a side (by two steps of Newton's method), a rim in a cap. Two caps are clipped one by one.
+    "cylinders": (["--scene", "cylinders", "--count", "500"],
+                  {"finding": [(look("Lane", "lookAtSides"), .32), (look("Lane", "lookAtRimOnSide"), .39, 2),
+                               (look("Lane", "lookAtRimInCap"), .25)],
+                   "overlap": [(r"^granular::integrateStrip\(", .9), *PLACE], "law": LINEAR_LAW}),
 }
 ARITHMETIC = re.compile(r"v(add|sub|mul|max|min|cmp\w*|blendm|and|andn|or|xor|rndscale)pd|vcmp\w+pd")
 SHUFFLE = re.compile(r"v(shuf|perm|unpck|insert|extract|align|broadcast|movddup)\w*")
@@ -37,7 +64,7 @@ WIDTH = {"z": 64, "y": 32, "x": 16}
 
 
 def read_functions(program):
-    """Instructions of each function, by its demangled name."""
+    """Instructions of each function, by its demangled name: (address, words)."""
     text = subprocess.run(["objdump", "-d", "-C", "--no-show-raw-insn", program], capture_output=True, text=True,
                           check=True).stdout
     functions, lines = {}, None
@@ -46,44 +73,53 @@ def read_functions(program):
         if head:
             lines = functions.setdefault(head[1], [])
         elif lines is not None and "\t" in line:
-            lines.append(line.split("\t")[-1].strip())
+            lines.append((int(line.split(":")[0], 16), line.split("\t")[-1].strip()))
     return functions
 
 
-def count(lines):
+def find_loops(lines):
+    """From where to where the jumps backwards reach, by addresses."""
+    jumps = [(re.match(r"j\w+ +([0-9a-f]+) <", words), address) for address, words in lines]
+    first = lines[0][0] if lines else 0
+    return [(int(jump[1], 16), address) for jump, address in jumps if jump and first <= int(jump[1], 16) <= address]
+
+
+def count(lines, trips):
     counts = collections.Counter()
-    for line in lines:
+    loops = find_loops(lines)
+    for address, line in lines:
+        runs = trips if any(begin <= address <= end for begin, end in loops) else 1
         name, _, operands = line.partition(" ")
         registers = re.findall(r"%([xyz])mm", operands)
         if not registers:
             continue
         whole = "z" in registers or not name.endswith("sd")
         if ARITHMETIC.match(name):
-            counts["arithmetic"] += whole
+            counts["arithmetic"] += runs * whole
         elif name.startswith("vdivpd"):
-            counts["divisions"] += 1
+            counts["divisions"] += runs
         elif name.startswith("vsqrtpd"):
-            counts["roots"] += 1
+            counts["roots"] += runs
         elif SHUFFLE.match(name):
-            counts["shuffles"] += 1
+            counts["shuffles"] += runs
         if "(" in operands:
             # AT&T order: a store's last operand is the memory.
             stores = operands.rstrip().split("{")[0].endswith(")")
             width = 8 if name.endswith("sd") else WIDTH[max(registers, key="xyz".index)]
-            counts["stored"] += width * stores
-            counts["loaded"] += width * (not stores)
+            counts["stored"] += runs * width * stores
+            counts["loaded"] += runs * width * (not stores)
     return counts
 
 
 def kernel_counts(functions, parts):
     total = collections.Counter()
-    for pattern, times in parts:
+    for pattern, times, *trips in parts:
         names = [name for name in functions if re.search(pattern, name) and ".cold" not in name]
         if not names:
             print(f"roofline.py: no function {pattern} in the disassembly", file=sys.stderr)
             sys.exit(2)
         for name in names:
-            for key, value in count(functions[name]).items():
+            for key, value in count(functions[name], *(trips or [1])).items():
                 total[key] += times * value
     return total
 
@@ -122,8 +158,8 @@ def main():
             bounds = (c["arithmetic"] / machine["add_or_multiply_per_ns"],
                       c["divisions"] / machine["divide_per_ns"] + c["roots"] / machine["root_per_ns"],
                       c["loaded"] / register / machine["load_per_ns"] + c["stored"] / register / machine["store_per_ns"])
-            lines.append(f"| {scene}, {kernel} | {c['arithmetic']} | "
-                         f"{c['divisions'] + c['roots']} | {c['shuffles'] / lanes:.1f} | {c['loaded'] / lanes:.0f} | "
+            lines.append(f"| {scene}, {kernel} | {c['arithmetic']:.0f} | "
+                         f"{c['divisions'] + c['roots']:.0f} | {c['shuffles'] / lanes:.1f} | {c['loaded'] / lanes:.0f} | "
                          f"{c['stored'] / lanes:.0f} | " + " | ".join(f"{b / lanes:.2f}" for b in bounds) + " |")
         lines.append(f"| {scene}, measured, whole step | | | | | | {1000 * times[scene]:.1f} | | |")
     text = "\n".join(lines) + "\n"
