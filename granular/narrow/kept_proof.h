@@ -29,16 +29,19 @@ LoadedProof<Real> namedNumbers(const std::array<Real, 16>& p) {
   return {
       {{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, {p[6], p[7], p[8]}, {p[9], p[10], p[11]}}, {p[12], p[13], p[14]}, p[15]};
 }
-inline LoadedProof<double> loadProof(const KeptProof& proof) {
+inline std::array<double, 16> numbersOf(const KeptProof& proof) {
+  std::array<float, 16> single;
+  std::memcpy(single.data(), &proof, sizeof proof);
   std::array<double, 16> numbers;
-  std::copy_n(proof.turn.data(), 16, numbers.begin());
-  return namedNumbers(numbers);
+  std::copy(single.begin(), single.end(), numbers.begin());
+  return numbers;
 }
+inline LoadedProof<double> loadProof(const KeptProof& proof) { return namedNumbers(numbersOf(proof)); }
 inline LoadedProof<Wide> loadProofs(const std::array<const KeptProof*, wideSize>& proofs) {
   std::array<std::array<double, 16>, wideSize> rows;
   std::array<const double*, wideSize> begin, middle;
   for (std::size_t k = 0; k < wideSize; ++k) {
-    std::copy_n(proofs[k]->turn.data(), 16, rows[k].begin());
+    rows[k] = numbersOf(*proofs[k]);
     begin[k] = rows[k].data();
     middle[k] = begin[k] + 8;
   }
