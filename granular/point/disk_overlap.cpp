@@ -40,8 +40,10 @@ std::uint32_t bitsBelow(const Wide& values) {
 #if defined(__AVX512F__)
   return _mm512_cmp_pd_mask(values, _mm512_setzero_pd(), _CMP_LT_OQ);
 #else
+  std::array<double, wideSize> each;  // g++ 12 with its sanitizers takes the first for all otherwise
+  storeWide(values, each.data());
   std::uint32_t bits = 0;
-  for (std::size_t k = 0; k < wideSize; ++k) bits |= static_cast<std::uint32_t>(values[k] < 0) << k;
+  for (std::size_t k = 0; k < wideSize; ++k) bits |= static_cast<std::uint32_t>(each[k] < 0) << k;
   return bits;
 #endif
 }
