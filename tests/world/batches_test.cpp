@@ -466,6 +466,20 @@ Shapes makePolyhedra() {
           std::make_shared<Polyhedron>(prism), std::make_shared<Polyhedron>(pyramid)};
 }
 
+/// Lets a heap fall; calls visit(contact) for all contacts between its bodies in every eighth step, which must have
+/// been found in batches by `find`.
+template <class Visit>
+void visitFound(decltype(World::Chunk::find) find, World& world, Visit&& visit) {
+  for (int n = 0; n < 6000; ++n) {
+    step(world, 5e-6);
+    if (n % 8 != 0) continue;
+    for (std::size_t c = 0; c < world.wallChunkBegin; ++c) {
+      ASSERT_EQ(world.chunks[c].find, find);
+      for (const Contact& contact : world.chunks[c].contacts) visit(contact);
+    }
+  }
+}
+
 class Polyhedra : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Polyhedra, InBatchesHaveTheTouchesAndPatchesOfOneByOne) {
@@ -474,14 +488,7 @@ TEST_P(Polyhedra, InBatchesHaveTheTouchesAndPatchesOfOneByOne) {
   const auto world = makeHeapOf(makePolyhedra(), options, 5);
   startHalfSteps(*world, 5e-6, 0, true);
   Seen seen;
-  for (int n = 0; n < 6000; ++n) {
-    step(*world, 5e-6);
-    if (n % 8 != 0) continue;
-    for (std::size_t c = 0; c < world->wallChunkBegin; ++c) {
-      ASSERT_EQ(world->chunks[c].find, findPolyhedronContacts);
-      for (const Contact& contact : world->chunks[c].contacts) expectAsSearched(*world, contact, seen);
-    }
-  }
+  visitFound(findPolyhedronContacts, *world, [&](const Contact& contact) { expectAsSearched(*world, contact, seen); });
   EXPECT_GT(seen.faces, 1000u);
   EXPECT_GT(seen.edges, 1000u);
   EXPECT_LT(seen.ties, (seen.faces + seen.edges) / 100);
@@ -506,38 +513,31 @@ TEST_P(Cylinders, InBatchesHaveTheTouchesAndPatchesOfOneByOne) {
   startHalfSteps(*world, 5e-6, 0, true);
   std::map<std::pair<std::int32_t, std::int32_t>, std::size_t> seen;  // by kinds of pieces
   std::size_t placed = 0, ties = 0;
-  for (int n = 0; n < 6000; ++n) {
-    step(*world, 5e-6);
-    if (n % 8 != 0) continue;
-    for (std::size_t c = 0; c < world->wallChunkBegin; ++c) {
-      ASSERT_EQ(world->chunks[c].find, findCylinderContacts);
-      for (const Contact& contact : world->chunks[c].contacts) {
-        const Encounter pair(world->bodies, contact);
-        WarmCache cache;
-        Touch touch;
-        // What the proofs leave to minima within 10 degrees of each other (global_proof.h).
-        const double granted = 1 / std::cos(pi / 18) - 1;
-        if (!expectTouchAsSearched(pair, contact, granted, cache, touch)) {
-          ++ties;
-          continue;
-        }
-        const std::int32_t a = decodePiece(cache.featureA).kind, b = decodePiece(cache.featureB).kind;
-        ++seen[{std::min(a, b), std::max(a, b)}];
-        if (!contact.placed) {
-          expectPatchOfTheGeneralWay(options.rule, pair, contact);
-          continue;
-        }
-        ++placed;
-        ContactPatch patch;
-        placeContact(options.rule, pair.a, pair.frameA, pair.b, pair.frameB, contact.touch, patch);
-        // One by one places are round-off of the world's coordinates away from their right ones; where a strip ends is
-        // told by the depth along it, as much less exactly as it is long.
-        const double longest = std::max(pair.a.longestExtent(), pair.b.longestExtent());
-        const double extent = (pair.size + contact.patch.point.norm()) * longest / pair.size;
-        expectSamePatch(contact.patch, patch, contact.touch.normal, pair.size, contact.touch.overlap, extent);
-      }
+  visitFound(findCylinderContacts, *world, [&](const Contact& contact) {
+    const Encounter pair(world->bodies, contact);
+    WarmCache cache;
+    Touch touch;
+    // What the proofs leave to minima within 10 degrees of each other (global_proof.h).
+    const double granted = 1 / std::cos(pi / 18) - 1;
+    if (!expectTouchAsSearched(pair, contact, granted, cache, touch)) {
+      ++ties;
+      return;
     }
-  }
+    const std::int32_t a = decodePiece(cache.featureA).kind, b = decodePiece(cache.featureB).kind;
+    ++seen[{std::min(a, b), std::max(a, b)}];
+    if (!contact.placed) {
+      expectPatchOfTheGeneralWay(options.rule, pair, contact);
+      return;
+    }
+    ++placed;
+    ContactPatch patch;
+    placeContact(options.rule, pair.a, pair.frameA, pair.b, pair.frameB, contact.touch, patch);
+    // One by one places are round-off of the world's coordinates away from their right ones; where a strip ends is
+    // told by the depth along it, as much less exactly as it is long.
+    const double longest = std::max(pair.a.longestExtent(), pair.b.longestExtent());
+    const double extent = (pair.size + contact.patch.point.norm()) * longest / pair.size;
+    expectSamePatch(contact.patch, patch, contact.touch.normal, pair.size, contact.touch.overlap, extent);
+  });
   std::size_t all = 0;
   for (const auto& [kinds, count] : seen) all += count;
   EXPECT_GT((seen[{PieceName::side, PieceName::side}]), 500u);
