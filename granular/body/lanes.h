@@ -2,11 +2,18 @@
 // side by side. Both classes have the same functions, so that a stage is written once for them.
 #pragma once
 
-#include "granular/body/bodies.h"
+#include "granular/body/motion_rows.h"
 #include "granular/core/rows.h"
 #include "granular/core/share_out.h"
 
 namespace granular {
+
+/// A MotionRow of one body or of several side by side.
+template <class Real>
+struct MotionOf {
+  Triple<Real> v, w, vHalf, spinHalf;
+  Real inverseMass, radiusRatio;
+};
 
 /// The body in a slot.
 class OneBody {
@@ -29,6 +36,17 @@ class OneBody {
     column[i] = Frame(toQuat(q).toRotationMatrix(), toVec3(x));
   }
   void writePosition(const Triple<double>& x, std::vector<Frame>& column) const { column[i].x = toVec3(x); }
+  void write(const MotionOf<double>& m, std::vector<MotionRow>& column) const {
+    column[i].v = toVec3(m.v);
+    column[i].w = toVec3(m.w);
+    column[i].inverseMass = m.inverseMass;
+    column[i].radiusRatio = m.radiusRatio;
+    column[i].vHalf = toVec3(m.vHalf);
+    column[i].spinHalf = toVec3(m.spinHalf);
+  }
+  void write(const Triple<double>& x, double radius, std::vector<BallRow>& column) const {
+    column[i] = {toVec3(x), radius};
+  }
 
  private:
   std::size_t i;
@@ -86,6 +104,22 @@ class WideBodies {
       std::memcpy(column[at(k)].x.data(), rows + 3 * k, 3 * sizeof(double));
     }
   }
+  /// Whole lines of the cache: they need not be read for it.
+  void write(const MotionOf<Wide>& m, std::vector<MotionRow>& column) const {
+    std::array<double*, count> now, half;
+    for (std::size_t k = 0; k < count; ++k) {
+      now[k] = column[at(k)].v.data();
+      half[k] = column[at(k)].vHalf.data();
+    }
+    storeRows<8>({m.v.x, m.v.y, m.v.z, m.w.x, m.w.y, m.w.z, m.inverseMass, m.radiusRatio}, now, count);
+    storeRows<8>({m.vHalf.x, m.vHalf.y, m.vHalf.z, m.spinHalf.x, m.spinHalf.y, m.spinHalf.z, Wide{}, Wide{}}, half,
+                 count);
+  }
+  void write(const Triple<Wide>& x, const Wide& radius, std::vector<BallRow>& column) const {
+    store<4>(column.data()->x.data(), [&](double* rows) {
+      storeRows(Quadruple<Wide>{x.x, x.y, x.z, radius}, 4, rows);
+    });
+  }
 
  private:
   // Rows lie one behind the other.
@@ -116,14 +150,19 @@ class WideBodies {
   bool consecutive;
 };
 
-/// Calls visit(WideBodies) for as many of the slots at once as fit, and visit(OneBody) for those left over, or for all
-/// if oneByOne; by several threads if worthwhile. Slots ascend; the calls must not depend on each other.
+/// Calls visit(WideBodies) for as many of `count` slots at once as fit, and visit(OneBody) for those left over, or for
+/// all if oneByOne; by several threads if worthwhile. Slots ascend; the calls must not depend on each other.
+template <class Visitor>
+void visitBodies(const std::int32_t* slots, std::size_t count, bool oneByOne, bool worthwhile, const Visitor& visit) {
+  const std::size_t groups = oneByOne ? 0 : count / wideSize, left = count - wideSize * groups;
+  shareOutEvenly(groups + left, worthwhile, [&](std::size_t g) {
+    if (g < groups) return visit(WideBodies(slots + wideSize * g));
+    visit(OneBody(static_cast<std::size_t>(slots[(wideSize - 1) * groups + g])));
+  });
+}
 template <class Visitor>
 void visitBodies(const std::vector<std::int32_t>& slots, bool oneByOne, bool worthwhile, const Visitor& visit) {
-  const std::size_t groups = oneByOne ? 0 : slots.size() / wideSize, left = slots.size() - wideSize * groups;
-  shareOutEvenly(groups, worthwhile, [&](std::size_t g) { visit(WideBodies(&slots[wideSize * g])); });
-  shareOutEvenly(left, worthwhile,
-                 [&](std::size_t k) { visit(OneBody(static_cast<std::size_t>(slots[wideSize * groups + k]))); });
+  visitBodies(slots.data(), slots.size(), oneByOne, worthwhile, visit);
 }
 
 }  // namespace granular

@@ -15,6 +15,13 @@ struct ContactHistory {
 };
 static_assert(sizeof(ContactHistory) == 7 * sizeof(double));  // a row of numbers (law/contact_lanes.h)
 
+/// What a pair of spheres remembers, and who they are: one line of the cache.
+struct alignas(64) SpherePair {
+  ContactHistory history;
+  std::int32_t a, b;  ///< body slots
+};
+static_assert(sizeof(SpherePair) == 64);
+
 struct ContactForce {
   Vec3 force = Vec3::Zero();   ///< on A, acting at the contact point, N
   Vec3 couple = Vec3::Zero();  ///< on A, about the contact point, N m

@@ -65,29 +65,27 @@ struct ClumpMemory {
 
 /// Memory of pairs, one slot each; freed slots are used again.
 struct PairMemory {
-  std::vector<ContactHistory> history;
-  std::vector<WarmCache> cache;  ///< empty, or shorter than history, where batches of balls keep none
-  std::vector<Contact> held;     ///< the last contact of a pair at rest (a < 0: none); empty unless bodies sleep
+  std::size_t slots = 0;                ///< how many there are
+  std::vector<ContactHistory> history;  ///< empty where chunks of spheres keep theirs (fileHistories)
+  std::vector<WarmCache> cache;         ///< empty, or too short for all, where batches of balls keep none
+  std::vector<Contact> held;            ///< the last contact of a pair at rest (a < 0: none); empty unless bodies sleep
   std::vector<ManifoldMemory> manifolds;  ///< empty unless the rule is `manifold`
   std::vector<ClumpMemory> clumps;        ///< empty unless there are clumps
   std::vector<SpringEnergy> energy;       ///< of the springs; empty unless an energy ledger is kept
   std::vector<std::int32_t> free;
 
-  /// Makes room for so many slots, and some more: less than vectors take by themselves.
-  void reserve(std::size_t slots) {
+  std::size_t size() const { return slots; }
+  /// Makes room for the histories of all slots, and some more: less than vectors take by themselves.
+  void makeHistories() {
     if (slots > history.capacity()) history.reserve(slots + slots / 8);
+    history.resize(slots);
   }
-  /// How many slots there are.
-  std::size_t size() const { return history.size(); }
   std::int32_t take() {
-    if (free.empty()) {
-      history.emplace_back();
-      return static_cast<std::int32_t>(size()) - 1;
-    }
+    if (free.empty()) return static_cast<std::int32_t>(slots++);
     const std::int32_t slot = free.back();
     free.pop_back();
     const auto k = static_cast<std::size_t>(slot);
-    history[k] = ContactHistory{};
+    if (k < history.size()) history[k] = ContactHistory{};
     if (k < cache.size()) cache[k] = WarmCache{};
     if (k < manifolds.size()) manifolds[k] = ManifoldMemory{};
     if (k < clumps.size()) clumps[k] = ClumpMemory{};
@@ -110,6 +108,7 @@ struct PairMemory {
     lay(clumps);
     lay(energy);
     lay(history);
+    slots = order.size();
     free.clear();
   }
 

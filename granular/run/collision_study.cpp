@@ -60,7 +60,8 @@ void visitHistories(const World& world, Visitor&& visit) {
     const auto slot = static_cast<std::size_t>(world.pairs.pairs[static_cast<std::size_t>(contact.pair)].slot);
     const PairMemory& memory = world.pairs.memory;
     const bool ofClump = contact.spot.ofClump();
-    if (!ofClump && world.options.rule.rule != PointRule::manifold) return visit(contact, memory.history[slot]);
+    if (!ofClump && world.options.rule.rule != PointRule::manifold)
+      return visit(contact, world.historyOf(contact.pair));
     for (const SpotHistory& spot : ofClump ? memory.clumps[slot].spots : memory.manifolds[slot].spots) {
       if (spot.spot == contact.spot) visit(contact, spot.history);
     }

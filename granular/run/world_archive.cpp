@@ -264,6 +264,7 @@ void visitPairs(Archive& archive, PairList& list) {
   archive.inGroup("memory", [&] {
     PairMemory& memory = list.memory;
     visitHistory(archive, memory.history);
+    if (archive.loading()) memory.slots = memory.history.size();
     visitCaches(archive, memory.cache);
     visitEnergies(archive, memory.energy);
     archive.visit("free", memory.free);
@@ -435,12 +436,19 @@ void describe(Archive& archive, World& world) {
   archive.visit("wall_travel", world.wallTravel, {"m", ""});
   archive.visit("next_id", world.nextId);
   archive.visit("sleep_on", world.options.sleep.on);
-  if (archive.loading()) world.pairs = PairList{};  // of bodies placed before loading
+  if (archive.loading()) {  // what there is of bodies placed before
+    world.pairs = PairList{};
+    world.chunks.clear();
+    world.historiesFiled = true;
+  }
   archive.inGroup("bodies", [&] {
     world.bodies.visitState(
         [&](const char* name, auto& column) { archive.visit(name, column, noteOf(bodyNotes, name)); });
   });
+  const bool keepsHistories = !world.historiesFiled;
+  fileHistories(world);
   visitPairs(archive, world.pairs);
+  if (keepsHistories) takeHistories(world);
   visitWallPairs(archive, world.pairs.wallPairs);
   archive.inGroup("search", [&] {
     if (!archive.loading()) world.search.packBoxes();
@@ -471,7 +479,6 @@ void describe(Archive& archive, World& world) {
   world.bodies.restoreDerived(world.shapes);
   world.findBalls(0);
   world.search.restoreBoxes(world.bodies);
-  world.chunks.clear();
   layOutContacts(world);
 }
 

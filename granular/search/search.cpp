@@ -155,7 +155,6 @@ void Search::mergePairs(const Bodies& bodies, PairList& list) {
   }
   std::sort(found.begin(), found.end(), comesBefore);
 
-  list.memory.reserve(found.size());
   // Old and new lists are both in key order: one pass carries the memory over.
   std::size_t old = 0;
   for (Pair& pair : found) {
@@ -170,6 +169,7 @@ void Search::mergePairs(const Bodies& bodies, PairList& list) {
   }
   while (old < list.pairs.size()) list.memory.give(list.pairs[old++].slot);
   list.pairs.swap(found);
+  found = {};  // as large as the list, and not needed until the next search
 }
 
 }  // namespace granular

@@ -77,8 +77,8 @@ class BallLooks {
     batch.begin(dt, of);
   }
 
-  /// Looks at a pair that is due; how many contacts it has.
-  std::size_t take(std::int32_t index) {
+  /// Looks at a pair that is due; true if it has contacts.
+  bool take(std::int32_t index) {
     const Bodies& bodies = world.bodies;
     Pair& pair = world.pairs.pairs[at(index)];
     const std::size_t a = at(pair.a), b = at(pair.b);
@@ -87,9 +87,6 @@ class BallLooks {
     forgetHeld(pair, ofClump);
     return ofClump ? lookAtChildren(index, travel, pair) : lookAtSpheres(index, travel, pair);
   }
-
-  /// How many contacts there are so far.
-  std::size_t count() const { return chunk.briefs.size() + batch.count(); }
 
   /// Through the law with what waits.
   void finish() {
@@ -109,12 +106,13 @@ class BallLooks {
   }
 
   void add(const BallPair& pair, const TouchingBalls& touch, double size, ContactHistory& history) {
-    if (touch.overlap() > chunk.deepest * size) chunk.noteDepth(touch.overlap(), size, count());
+    if (touch.overlap() > chunk.deepest * size)
+      chunk.noteDepth(touch.overlap(), size, chunk.briefs.size() + batch.count());
     batch.add(pair, touch, history);
     if (batch.count() == BriefBatch::capacity) finish();
   }
 
-  std::size_t lookAtSpheres(std::int32_t index, double travel, Pair& pair) {
+  bool lookAtSpheres(std::int32_t index, double travel, Pair& pair) {
     const Bodies& bodies = world.bodies;
     const std::size_t a = at(pair.a), b = at(pair.b);
     const BallPair pairOfBalls = view(index, pair);
@@ -126,13 +124,13 @@ class BallLooks {
     if (!(touch.overlap() > 0)) {
       pair.quietUntil = travel + std::max(0.0, -touch.overlap());
       history = ContactHistory{};
-      return 0;
+      return false;
     }
     add(pairOfBalls, touch, std::min(touch.radiusA, touch.radiusB), history);
-    return 1;
+    return true;
   }
 
-  std::size_t lookAtChildren(std::int32_t index, double travel, Pair& pair) {
+  bool lookAtChildren(std::int32_t index, double travel, Pair& pair) {
     const Bodies& bodies = world.bodies;
     const Shape &shapeA = *bodies.shape[at(pair.a)], &shapeB = *bodies.shape[at(pair.b)];
     const BallPair pairOfBalls = view(index, pair);
@@ -158,14 +156,14 @@ class BallLooks {
     if (touching.empty()) {
       pair.quietUntil = quiet;
       memory.spots.clear();
-      return 0;
+      return false;
     }
     matchSpots(memory.spots, touching.size(), [&](std::size_t k) {
       return Spot{0, touching[k].childA, touching[k].childB};
     });
     const double size = std::min(shapeA.size(), shapeB.size());
     for (std::size_t k = 0; k < touching.size(); ++k) add(pairOfBalls, touching[k], size, memory.spots[k].history);
-    return touching.size();
+    return true;
   }
 
   World& world;
@@ -184,9 +182,8 @@ void makeBallContacts(double dt, std::size_t c, World& world) {
     if (at(pair.slot) < memory.clumps.size()) __builtin_prefetch(&memory.clumps[at(pair.slot)]);
     __builtin_prefetch(&world.bodies.frame[at(pair.b)]);
   };
-  takeDue(world, c, fetch, [&](std::size_t position) {
-    const std::size_t before = looks.count(), found = looks.take(world.activePairs[position]);
-    world.contactsOfPair[position] = {static_cast<std::int32_t>(before), static_cast<std::int32_t>(found)};
+  takeDue(world, c, fetch, [&](std::size_t position, std::size_t k) {
+    if (!looks.take(world.activePairs[position])) chunk.due.apart.set(k);
   });
   looks.finish();
 }

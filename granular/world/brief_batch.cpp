@@ -40,15 +40,16 @@ void BriefBatch::move(std::size_t from, std::size_t to) {
   for (auto* lane : {&contacts.overlap, &contacts.squaredDepth, &contacts.radius}) (*lane)[to] = (*lane)[from];
 }
 
-void BriefBatch::dropApart(const std::array<std::size_t, capacity>& positions, const ContactLanes::Lane& size,
-                           World& of, World::Chunk& chunk) {
+void BriefBatch::dropApart(const ContactLanes::Lane& size, World::Chunk& chunk) {
   std::size_t kept = 0;
   for (std::size_t k = 0; k < count(); ++k) {
     const double overlap = contacts.overlap[k];
-    if (!(overlap > 0)) continue;
+    if (!(overlap > 0)) {
+      chunk.due.apart.set(due[k]);
+      continue;
+    }
     if (kept != k) move(k, kept);
     const std::size_t place = chunk.briefs.size() + kept++;
-    of.contactsOfPair[positions[k]] = {static_cast<std::int32_t>(place), 1};
     if (overlap > chunk.deepest * size[k]) chunk.noteDepth(overlap, size[k], place);
   }
   contacts.count = kept;
@@ -78,8 +79,8 @@ void BriefBatch::load() {
   for (std::size_t k = 0; k < count(); k += wideSize) {
     std::array<const MotionRow*, wideSize> rowsA, rowsB;
     for (std::size_t i = 0; i < wideSize; ++i) {
-      rowsA[i] = &world->motionRows[at(a[k + i])];
-      rowsB[i] = &world->motionRows[at(b[k + i])];
+      rowsA[i] = &world->motionRows.motion[at(a[k + i])];
+      rowsB[i] = &world->motionRows.motion[at(b[k + i])];
     }
     contacts.a.put(k, rowsA);
     contacts.b.put(k, rowsB);

@@ -15,6 +15,7 @@ struct BriefBatch {
   static constexpr std::size_t capacity = ContactLanes::capacity;
 
   std::array<std::int32_t, capacity> pair, a, b, childA, childB;  ///< as in BriefContact; body slots
+  std::array<std::size_t, capacity> due;                          ///< which of the chunk's due pairs: for dropApart()
   std::array<ContactHistory*, capacity> history;
   ContactLanes::Lanes shift, middle;  ///< of B's image; halfway between the surfaces, m
   ContactLanes contacts;  ///< for the law, where normal, overlap, squaredDepth, radius and arms are still missing
@@ -58,11 +59,9 @@ struct BriefBatch {
   /// Fills the lanes beyond the last contact of its register with that contact: they take part in loading whole
   /// registers, and in nothing else.
   void fillRegister();
-  /// Takes out those whose overlap is not above 0; pairs of the others, which have one contact each, learn where it
-  /// will be in the chunk, and the deepest is noted. positions: of the pairs among the active ones; size: what overlaps
-  /// are relative to, m.
-  void dropApart(const std::array<std::size_t, capacity>& positions, const ContactLanes::Lane& size, World& of,
-                 World::Chunk& chunk);
+  /// Takes out those whose overlap is not above 0, which are the only ones of their pairs, and names these in
+  /// Due::apart; the deepest of the others is noted. size: what overlaps are relative to, m.
+  void dropApart(const ContactLanes::Lane& size, World::Chunk& chunk);
   /// The law for all contacts: histories are kept, contacts and their pulls appended to the chunk.
   void press(World::Chunk& chunk);
 

@@ -1,5 +1,7 @@
 // Stages of a step that make the contacts: pairs, touches, points.
 #include <algorithm>
+#include <iterator>
+#include <limits>
 
 #include "granular/core/prefetch.h"
 #include "granular/narrow/bullet_manifold.h"
@@ -64,35 +66,17 @@ void listActivePairs(World& world) {
   }
 }
 
-/// For each body the active pairs it is part of, in the order of the lists, and which bodies have any.
-void listIncidence(World& world) {
-  const std::size_t n = world.bodies.size();
-  auto& begin = world.incidenceBegin;
-  begin.assign(n + 1, 0);
+/// Which bodies are part of active pairs.
+void listMet(World& world) {
+  std::vector<bool> isMet(world.bodies.size(), false);
   for (const std::int32_t p : world.activePairs) {
     const Pair& pair = world.pairs.pairs[at(p)];
-    ++begin[at(pair.a) + 1];
-    ++begin[at(pair.b) + 1];
+    isMet[at(pair.a)] = isMet[at(pair.b)] = true;
   }
-  for (const std::int32_t p : world.activeWallPairs) ++begin[at(world.pairs.wallPairs[at(p)].body) + 1];
+  for (const std::int32_t p : world.activeWallPairs) isMet[at(world.pairs.wallPairs[at(p)].body)] = true;
   world.met.clear();
-  for (std::size_t i = 0; i < n; ++i) {
-    if (begin[i + 1] > 0) world.met.push_back(static_cast<std::int32_t>(i));
-    begin[i + 1] += begin[i];
-  }
-  world.incidence.resize(at(begin[n]));
-  std::vector<std::int32_t> next(begin.begin(), begin.end() - 1);
-  std::int32_t position = 0;
-  for (const std::int32_t p : world.activePairs) {
-    const Pair& pair = world.pairs.pairs[at(p)];
-    world.incidence[at(next[at(pair.a)]++)] = {position, false};
-    world.incidence[at(next[at(pair.b)]++)] = {position, true};
-    ++position;
-  }
-  position = 0;
-  for (const std::int32_t p : world.activeWallPairs) {
-    world.incidence[at(next[at(world.pairs.wallPairs[at(p)].body)]++)] = {-1 - position, false};
-    ++position;
+  for (std::size_t i = 0; i < isMet.size(); ++i) {
+    if (isMet[i]) world.met.push_back(static_cast<std::int32_t>(i));
   }
 }
 
@@ -100,12 +84,12 @@ void listIncidence(World& world) {
 /// body needs none.
 void listGathered(World& world) {
   const Bodies& bodies = world.bodies;
+  const auto isDisturbed = [&](std::int32_t slot) { return bodies.state[at(slot)] == BodyState::asleep; };
+  std::vector<std::int32_t> disturbed;
+  std::copy_if(world.met.begin(), world.met.end(), std::back_inserter(disturbed), isDisturbed);
+  const std::vector<std::int32_t>& moving = bodies.movingSlots();
   world.gathered.clear();
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const bool disturbed =
-        bodies.state[i] == BodyState::asleep && world.incidenceBegin[i] != world.incidenceBegin[i + 1];
-    if (bodies.moves(i) || disturbed) world.gathered.push_back(static_cast<std::int32_t>(i));
-  }
+  std::merge(moving.begin(), moving.end(), disturbed.begin(), disturbed.end(), std::back_inserter(world.gathered));
 }
 
 /// Sums the contacts between bodies at rest, which a step does not look at.
@@ -194,6 +178,32 @@ bool readsCaches(const World& world) {
   return std::any_of(world.chunks.begin(), last, [](const World::Chunk& chunk) {
     return chunk.make != makeSphereContacts && chunk.make != makeBallContacts;
   });
+}
+
+void layOutChunk(std::size_t c, World& world) {
+  World::Chunk& chunk = world.chunks[c];
+  const bool atWalls = c >= world.wallChunkBegin;
+  const Range range = atWalls ? chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size())
+                              : chunkRange(c, world.activePairs.size());
+  chunk.make = atWalls ? nullptr : chooseBatches(world, range);
+  chunk.find = atWalls ? chooseLooksAtWalls(world, range) : chooseLooks(world, range);
+  chunk.due.ofSpheres = chunk.make == makeSphereContacts;
+  chunk.lowest = std::numeric_limits<std::int32_t>::max();
+  chunk.highest = -1;
+  const auto include = [&](std::int32_t body) {
+    chunk.lowest = std::min(chunk.lowest, body);
+    chunk.highest = std::max(chunk.highest, body);
+  };
+  for (std::size_t p = range.first; p < range.last; ++p) {
+    if (atWalls) {
+      include(world.pairs.wallPairs[at(world.activeWallPairs[p])].body);
+      continue;
+    }
+    const Pair& pair = world.pairs.pairs[at(world.activePairs[p])];
+    include(pair.a);
+    include(pair.b);
+  }
+  if (!atWalls) makeDue(world, c);
 }
 
 }  // namespace
@@ -363,6 +373,7 @@ void addWallContacts(const WallPair& pair, std::int32_t index, double size, Worl
 
 void refreshPairs(double dt, World& world) {
   if (world.search.isDue(world.bodies, world.wallTravel)) {
+    fileHistories(world);
     world.search.refreshPairs(world.bodies, dt, world.wallTravel, world.pairs);
     refreshWallPairs(world);
     world.layoutStale = true;
@@ -371,29 +382,22 @@ void refreshPairs(double dt, World& world) {
 }
 
 void layOutContacts(World& world) {
-  if (world.options.rule.rule == PointRule::manifold) {
-    world.pairs.memory.manifolds.resize(world.pairs.memory.size());
-  }
-  if (world.anyClump) world.pairs.memory.clumps.resize(world.pairs.memory.size());
+  fileHistories(world);
+  PairMemory& memory = world.pairs.memory;
+  if (world.options.rule.rule == PointRule::manifold) memory.manifolds.resize(memory.size());
+  if (world.anyClump) memory.clumps.resize(memory.size());
   listActivePairs(world);
-  listIncidence(world);
+  listMet(world);
   listGathered(world);
   sumHeldForces(world);
   world.wallChunkBegin = chunkCount(world.activePairs.size());
   world.chunks.resize(world.wallChunkBegin + chunkCount(world.activeWallPairs.size()));
-  for (std::size_t c = 0; c < world.chunks.size(); ++c) {
-    const bool atWalls = c >= world.wallChunkBegin;
-    const Range range = chunkRange(c, world.activePairs.size());
-    if (!atWalls) makeDue(world, c);
-    world.chunks[c].make = atWalls ? nullptr : chooseBatches(world, range);
-    world.chunks[c].find =
-        atWalls ? chooseLooksAtWalls(world, chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()))
-                : chooseLooks(world, range);
-  }
-  if (readsCaches(world)) world.pairs.memory.cache.resize(world.pairs.memory.size());
   world.pairWay = 0;
   world.quietWay.assign(world.wallChunkBegin * World::chunkSize, infinity);
-  world.contactsOfPair.assign(world.activePairs.size() + world.activeWallPairs.size(), {});
+  for (std::size_t c = 0; c < world.chunks.size(); ++c) layOutChunk(c, world);
+  if (readsCaches(world)) memory.cache.resize(memory.size());
+  takeHistories(world);
+  layOutMotion(world);
   world.layoutStale = false;
 }
 
@@ -403,10 +407,8 @@ void findContacts(std::size_t c, World& world) {
   const bool atWalls = c >= world.wallChunkBegin;
   const Range range =
       atWalls ? chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size()) : chunkRange(c, pairCount);
-  const std::size_t rangeOffset = atWalls ? pairCount : 0;
   if (chunk.find) return chunk.find(c, world);
   for (std::size_t p = range.first; p < range.last; ++p) {
-    const auto first = static_cast<std::int32_t>(chunk.contacts.size());
     if (atWalls) {
       lookAtWallPair(world, world.activeWallPairs[p], chunk);
     } else {
@@ -414,7 +416,6 @@ void findContacts(std::size_t c, World& world) {
       if (p + nextAhead < range.last) fetchPair(world, world.pairs.pairs[at(world.activePairs[p + nextAhead])]);
       lookAtPair(world, world.activePairs[p], chunk);
     }
-    world.contactsOfPair[rangeOffset + p] = {first, static_cast<std::int32_t>(chunk.contacts.size()) - first};
   }
 }
 

@@ -115,17 +115,10 @@ class CuboidsAtWalls {
 void findCuboidsAtWalls(std::size_t c, World& world) {
   World::Chunk& chunk = world.chunks[c];
   const Range range = chunkRange(c - world.wallChunkBegin, world.activeWallPairs.size());
-  std::array<std::size_t, World::chunkSize> positions;
   CuboidsAtWalls looks(world, chunk);
-  for (std::size_t p = range.first; p < range.last; ++p) {
-    const auto before = static_cast<std::int32_t>(chunk.contacts.size());
-    looks.take(world.activeWallPairs[p]);
-    const std::size_t position = world.activePairs.size() + p;
-    positions[p - range.first] = position;
-    world.contactsOfPair[position] = {before, static_cast<std::int32_t>(chunk.contacts.size()) - before};
-  }
+  for (std::size_t p = range.first; p < range.last; ++p) looks.take(world.activeWallPairs[p]);
   looks.finish();
-  keepTouching(positions.data(), range.last - range.first, world, chunk);
+  keepTouching(nullptr, world, chunk);
 }
 
 }  // namespace granular

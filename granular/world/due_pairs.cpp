@@ -3,17 +3,19 @@
 // when it may no longer be. Of most of these a single number tells that they are: the way that the fastest bodies made.
 #include "granular/world/due_pairs.h"
 
-#include <numeric>
-
 #include "granular/core/wide.h"
+#include "granular/world/stages.h"
 
 namespace granular {
 namespace {
 
+const Pair& activePair(const World& world, std::size_t position) {
+  return world.pairs.pairs[static_cast<std::size_t>(world.activePairs[position])];
+}
+
 /// True if the active pair with this position is quiet; then quietWay and its chunk's `due` know for how long.
 bool goesQuiet(World& world, std::size_t position, World::Chunk::Due& due) {
-  const Pair& pair = world.pairs.pairs[static_cast<std::size_t>(world.activePairs[position])];
-  const double left = gapLeft(world, pair);
+  const double left = gapLeft(world, activePair(world, position));
   const bool quiet = world.options.skips.separation && left > 0;
   // A little less: round-off must not keep a pair quiet that its bodies' ways would not.
   world.quietWay[position] = quiet ? world.pairWay + (1 - 1e-6) * left : infinity;
@@ -21,24 +23,32 @@ bool goesQuiet(World& world, std::size_t position, World::Chunk::Due& due) {
   return quiet;
 }
 
-/// Takes out the pairs that had no contact in the last step and are quiet; all forget their contacts.
+/// Takes out the pairs that had no contact in the last step and are quiet.
 void dropQuiet(World& world, std::size_t first, World::Chunk::Due& due) {
+  if (due.apart.none()) return;
   std::size_t kept = 0;
   for (std::size_t k = 0; k < due.count; ++k) {
-    const std::size_t position = first + due.place[k];
-    World::ContactRange& contacts = world.contactsOfPair[position];
-    if (contacts.count == 0 && goesQuiet(world, position, due)) continue;
-    contacts = {};
-    due.place[kept++] = due.place[k];
+    if (due.apart[k] && goesQuiet(world, first + due.place[k], due)) continue;
+    due.place[kept] = due.place[k];
+    if (due.ofSpheres) due.spheres[kept] = due.spheres[k];
+    ++kept;
   }
   due.count = kept;
+  due.apart.reset();
+  if (!due.ofSpheres) return;
+  due.spheres.resize(kept);
+  // The first looks at a new bed take out most of its pairs.
+  if (due.spheres.capacity() > 2 * kept + wideSize) due.spheres.shrink_to_fit();
 }
 
-void insert(std::size_t place, World::Chunk::Due& due) {
+void insert(const World& world, std::size_t first, std::size_t place, World::Chunk::Due& due) {
   const auto end = due.place.begin() + static_cast<std::ptrdiff_t>(due.count++);
   const auto at = std::upper_bound(due.place.begin(), end, place);
   std::copy_backward(at, end, end + 1);
   *at = static_cast<std::uint16_t>(place);
+  if (!due.ofSpheres) return;
+  const Pair& pair = activePair(world, first + place);
+  due.spheres.insert(due.spheres.begin() + (at - due.place.begin()), SpherePair{ContactHistory{}, pair.a, pair.b});
 }
 
 /// Asks those whose number is used up whether they are quiet.
@@ -52,7 +62,7 @@ void askQuiet(World& world, std::size_t first, World::Chunk::Due& due) {
     const Mask<Wide> asked = quiet <= way;
     if (any(asked)) {
       for (std::size_t i = 0; i < wideSize; ++i) {
-        if (asked[i] != 0 && !goesQuiet(world, first + k + i, due)) insert(k + i, due);
+        if (asked[i] != 0 && !goesQuiet(world, first + k + i, due)) insert(world, first, k + i, due);
       }
     }
     least = smaller(least, choose(asked, spread(infinity), quiet));
@@ -65,22 +75,90 @@ void askQuiet(World& world, std::size_t first, World::Chunk::Due& due) {
 void makeDue(World& world, std::size_t c) {
   const Range range = chunkRange(c, world.activePairs.size());
   World::Chunk::Due& due = world.chunks[c].due;
-  due.count = range.last - range.first;
+  due.count = 0;
+  due.apart.reset();
   due.quietUntil = infinity;
-  std::iota(due.place.begin(), due.place.begin() + static_cast<std::ptrdiff_t>(due.count), std::uint16_t{0});
+  for (std::size_t position = range.first; position < range.last; ++position) {
+    if (!goesQuiet(world, position, due)) due.place[due.count++] = static_cast<std::uint16_t>(position - range.first);
+  }
+  due.spheres = {};
+  if (!due.ofSpheres) return;
+  due.spheres.reserve(due.count + due.count / 8);
+  for (std::size_t k = 0; k < due.count; ++k) {
+    const Pair& pair = activePair(world, range.first + due.place[k]);
+    due.spheres.push_back({ContactHistory{}, pair.a, pair.b});
+  }
 }
 
-std::size_t listDue(World& world, std::size_t c, std::size_t* list) {
+World::Chunk::Due& refreshDue(World& world, std::size_t c) {
   const std::size_t first = c * World::chunkSize;
   World::Chunk::Due& due = world.chunks[c].due;
   dropQuiet(world, first, due);
   if (!(world.pairWay < due.quietUntil)) askQuiet(world, first, due);
+  return due;
+}
+
+std::size_t listDue(World& world, std::size_t c, std::size_t* list) {
+  const std::size_t first = c * World::chunkSize;
+  const World::Chunk::Due& due = refreshDue(world, c);
   // A large bed's pairs are not near: they come while those before them are worked on.
   for (std::size_t k = 0; k < due.count; ++k) {
     list[k] = first + due.place[k];
-    __builtin_prefetch(&world.pairs.pairs[static_cast<std::size_t>(world.activePairs[list[k]])]);
+    __builtin_prefetch(&activePair(world, list[k]));
   }
   return due.count;
+}
+
+namespace {
+
+/// Calls visit(history with a chunk, history of the same pair in its memory).
+template <class Visitor>
+void visitKeptHistories(World& world, const Visitor& visit) {
+  PairMemory& memory = world.pairs.memory;
+  for (std::size_t c = 0; c < world.wallChunkBegin && c < world.chunks.size(); ++c) {
+    World::Chunk::Due& due = world.chunks[c].due;
+    for (std::size_t k = 0; k < due.spheres.size(); ++k) {
+      const Pair& pair = activePair(world, c * World::chunkSize + due.place[k]);
+      visit(due.spheres[k].history, memory.history[static_cast<std::size_t>(pair.slot)]);
+    }
+  }
+}
+
+}  // namespace
+
+void fileHistories(World& world) {
+  world.pairs.memory.makeHistories();
+  if (world.historiesFiled) return;
+  world.historiesFiled = true;
+  visitKeptHistories(world, [](ContactHistory& kept, ContactHistory& filed) { filed = kept; });
+}
+
+void takeHistories(World& world) {
+  PairMemory& memory = world.pairs.memory;
+  memory.makeHistories();
+  visitKeptHistories(world, [](ContactHistory& kept, ContactHistory& filed) {
+    kept = filed;
+    filed = ContactHistory{};  // it may part before it is filed again
+  });
+  world.historiesFiled = false;
+  // Pairs at rest, and those of other chunks, leave theirs where they are.
+  const auto end = world.chunks.begin() + static_cast<std::ptrdiff_t>(world.wallChunkBegin);
+  const auto ofSpheres = [](const World::Chunk& chunk) { return chunk.due.ofSpheres; };
+  if (world.activePairs.size() == world.pairs.pairs.size() && std::all_of(world.chunks.begin(), end, ofSpheres))
+    memory.history = {};
+}
+
+const ContactHistory& World::historyOf(std::int32_t index) const {
+  const auto position =
+      static_cast<std::size_t>(std::lower_bound(activePairs.begin(), activePairs.end(), index) - activePairs.begin());
+  const bool active = !historiesFiled && position < activePairs.size() && activePairs[position] == index;
+  if (active && chunks[position / chunkSize].due.ofSpheres) {
+    const Chunk::Due& due = chunks[position / chunkSize].due;
+    const auto end = due.place.begin() + static_cast<std::ptrdiff_t>(due.count);
+    const auto place = std::lower_bound(due.place.begin(), end, position % chunkSize);
+    return due.spheres[static_cast<std::size_t>(place - due.place.begin())].history;
+  }
+  return pairs.memory.history[static_cast<std::size_t>(pairs.pairs[static_cast<std::size_t>(index)].slot)];
 }
 
 }  // namespace granular

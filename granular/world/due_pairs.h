@@ -27,10 +27,11 @@ inline bool isQuiet(const World& world, const Pair& pair) {
   return world.options.skips.separation && gapLeft(world, pair) > 0;
 }
 
-/// Makes all active pairs of chunk c due; quietWay has room for them.
+/// Lists the pairs of chunk c that are due anew, without their histories; quietWay has room for all active pairs.
 void makeDue(World& world, std::size_t c);
-/// Which active pairs of chunk c need a look, in their order; returns how many. None of them has contacts yet, and the
-/// others have none. list: room for all of the chunk.
+/// Brings that list up to date: once a step, before any of its pairs is looked at.
+World::Chunk::Due& refreshDue(World& world, std::size_t c);
+/// The same, and the positions of those pairs among the active ones; returns how many. list: room for all of the chunk.
 std::size_t listDue(World& world, std::size_t c, std::size_t* list);
 
 }  // namespace granular

@@ -45,7 +45,6 @@ struct Party {
 
 /// A batch of contacts, and what their places are made of.
 struct EllipsoidBatch : BriefBatch {
-  std::array<std::size_t, capacity> position;  // of the pair among the active ones
   std::array<WarmCache*, capacity> cache;
   ContactLanes::Lane known;  // 1: looked at by itself, and where it touches, if it does, is here already
   ContactLanes::Lane smallerSize;
@@ -68,8 +67,8 @@ class EllipsoidLooks {
     batch.begin(dt, of);
   }
 
-  /// Looks at a pair that is due; position: among the active ones.
-  void take(std::size_t position) {
+  /// Looks at a pair, one of those that are due; position: among the active ones.
+  void take(std::size_t position, std::size_t dueIndex) {
     const std::int32_t index = world.activePairs[position];
     const Pair& pair = world.pairs.pairs[at(index)];
     PairMemory& memory = world.pairs.memory;
@@ -79,10 +78,11 @@ class EllipsoidLooks {
     if (foreseen) {
       if (at(pair.slot) < memory.held.size()) memory.held[at(pair.slot)].a = -1;
     } else if (!lookByItself(index, touch)) {
+      chunk.due.apart.set(dueIndex);
       return;
     }
     const std::size_t k = batch.add({index, pair.a, pair.b, -1, -1}, memory.history[at(pair.slot)]);
-    batch.position[k] = position;
+    batch.due[k] = dueIndex;
     batch.cache[k] = &cache;
     batch.shift.put(k, world.options.periods.shift(pair.image));
     batch.known[k] = 0;
@@ -95,7 +95,7 @@ class EllipsoidLooks {
     if (batch.count() == 0) return;
     batch.fillRegister();
     for (std::size_t k = 0; k < batch.count(); k += wideSize) findRegister(k);
-    batch.dropApart(batch.position, batch.smallerSize, world, chunk);
+    batch.dropApart(batch.smallerSize, chunk);
     keepTouches();
     batch.press(chunk);
   }
@@ -233,7 +233,7 @@ void makeEllipsoidContacts(double dt, std::size_t c, World& world) {
     __builtin_prefetch(&memory.cache[at(pair.slot)]);
     __builtin_prefetch(&memory.history[at(pair.slot)]);
   };
-  takeDue(world, c, fetch, [&](std::size_t position) { looks.take(position); });
+  takeDue(world, c, fetch, [&](std::size_t position, std::size_t k) { looks.take(position, k); });
   looks.finish();
 }
 

@@ -1,4 +1,6 @@
 // Stages of a step that make forces of contacts: the law of each, and the sum on each body.
+#include <algorithm>
+
 #include "granular/body/lanes.h"
 #include "granular/core/prefetch.h"
 #include "granular/core/share_out.h"
@@ -201,81 +203,85 @@ void keepSums(const Sums& sums, std::size_t i, World& world) {
   if (world.options.sleep.on) world.load[i] = sums.load;
 }
 
-/// The same for all, by one thread: in lanes where there are weights alone.
-void beginAllSums(World& world) {
+/// The same for a run of the gathered: in lanes where there are weights alone.
+void beginSums(World& world, std::size_t first, std::size_t last) {
   if (world.options.sleep.on || !world.heldForce.empty()) {
-    for (const std::int32_t slot : world.gathered) keepSums(beginSums(world, at(slot)), at(slot), world);
+    for (std::size_t g = first; g < last; ++g)
+      keepSums(beginSums(world, at(world.gathered[g])), at(world.gathered[g]), world);
     return;
   }
   Bodies& bodies = world.bodies;
   const Vec3& g = world.options.gravity;
-  visitBodies(world.gathered, world.options.noBatches, false, [&]<class Place>(const Place& place) {
-    using Real = typename Place::Real;
-    const Real mass = place.read(bodies.mass);
-    place.write(Triple<Real>{mass * g.x(), mass * g.y(), mass * g.z()}, bodies.force);
-    place.write(Triple<Real>{}, bodies.torque);
-  });
+  visitBodies(world.gathered.data() + first, last - first, world.options.noBatches, false,
+              [&]<class Place>(const Place& place) {
+                using Real = typename Place::Real;
+                const Real mass = place.read(bodies.mass);
+                place.write(Triple<Real>{mass * g.x(), mass * g.y(), mass * g.z()}, bodies.force);
+                place.write(Triple<Real>{}, bodies.torque);
+              });
 }
 
-/// Body by body, each by one thread.
-void sumByBodies(World& world) {
-  const std::size_t pairCount = world.activePairs.size();
-  const bool loads = world.options.sleep.on;
-  shareOutEvenly(world.gathered.size(), world.gathered.size() >= bodiesForThreads, [&](std::size_t g) {
-    const auto i = at(world.gathered[g]);
-    Sums sums = beginSums(world, i);
-    for (std::int32_t e = world.incidenceBegin[i]; e < world.incidenceBegin[i + 1]; ++e) {
-      const World::Incidence& link = world.incidence[at(e)];
-      const bool atWall = link.active < 0;
-      const std::size_t p = atWall ? at(-1 - link.active) : at(link.active);
-      const World::ContactRange& range = world.contactsOfPair[atWall ? pairCount + p : p];
-      if (range.count == 0) continue;
-      const std::size_t chunk = p / World::chunkSize + (atWall ? world.wallChunkBegin : 0);
-      for (std::int32_t k = range.first; k < range.first + range.count; ++k) {
-        const ContactPull& pull = world.chunks[chunk].pulls[at(k)];
-        sums.force += link.isB ? -pull.force : pull.force;
-        sums.torque += link.isB ? pull.torqueB : pull.torqueA;
-        if (loads) sums.load += 0.5 * pull.force.norm();
-      }
-    }
-    keepSums(sums, i, world);
-  });
-}
-
-/// Contact by contact, by one thread: in the order of the pairs, so that each body's sum is the same to the bit.
-void sumByContacts(World& world) {
+/// Adds what contacts do to those bodies that isOwn(slot) names.
+template <class IsOwn>
+void addPulls(const std::vector<ContactPull>& pulls, World& world, const IsOwn& isOwn) {
   Bodies& bodies = world.bodies;
   const bool loads = world.options.sleep.on;
-  beginAllSums(world);
-  const auto isFrozen = [&](std::int32_t body) { return body < 0 || bodies.state[at(body)] == BodyState::frozen; };
-  const bool fetches = bodies.size() >= bodiesBeyondCaches;
-  for (std::size_t c = 0; c < world.chunks.size(); ++c) {
-    if (fetches && c + 1 < world.chunks.size()) fetchAll(world.chunks[c + 1].pulls);
-    for (const ContactPull& pull : world.chunks[c].pulls) {
-      const double half = loads ? 0.5 * pull.force.norm() : 0;
-      if (!isFrozen(pull.a)) {
-        bodies.force[at(pull.a)] += pull.force;
-        bodies.torque[at(pull.a)] += pull.torqueA;
-        if (loads) world.load[at(pull.a)] += half;
-      }
-      if (!isFrozen(pull.b)) {
-        bodies.force[at(pull.b)] -= pull.force;
-        bodies.torque[at(pull.b)] += pull.torqueB;
-        if (loads) world.load[at(pull.b)] += half;
-      }
+  const auto counts = [&](std::int32_t body) {
+    return body >= 0 && isOwn(body) && bodies.state[at(body)] != BodyState::frozen;
+  };
+  for (const ContactPull& pull : pulls) {
+    const double half = loads ? 0.5 * pull.force.norm() : 0;
+    if (counts(pull.a)) {
+      bodies.force[at(pull.a)] += pull.force;
+      bodies.torque[at(pull.a)] += pull.torqueA;
+      if (loads) world.load[at(pull.a)] += half;
+    }
+    if (counts(pull.b)) {
+      bodies.force[at(pull.b)] -= pull.force;
+      bodies.torque[at(pull.b)] += pull.torqueB;
+      if (loads) world.load[at(pull.b)] += half;
     }
   }
+}
+
+/// Forces of all bodies. Each thread has a run of them and goes through the contacts of the chunks that name any, in
+/// the order of the pairs: each body's sum is the same to the bit.
+void sumForces(World& world) {
+  const std::size_t count = world.gathered.size();
+  const std::size_t runs =
+      count >= bodiesForThreads && world.chunks.size() > 1 ? static_cast<std::size_t>(omp_get_max_threads()) : 1;
+  const bool fetches = world.bodies.size() >= bodiesBeyondCaches;
+  const auto begin = [&](std::size_t run) { return run == runs ? count : run * (count / wideSize) / runs * wideSize; };
+  shareOutEvenly(runs, runs > 1, [&](std::size_t run) {
+    const std::size_t first = begin(run), last = begin(run + 1);
+    if (first == last) return;
+    beginSums(world, first, last);
+    const std::int32_t lowest = world.gathered[first], highest = world.gathered[last - 1];
+    const auto isOwn = [=](std::int32_t body) { return lowest <= body && body <= highest; };
+    for (std::size_t c = 0; c < world.chunks.size(); ++c) {
+      const World::Chunk& chunk = world.chunks[c];
+      if (chunk.highest < lowest || highest < chunk.lowest) continue;
+      if (fetches && c + 1 < world.chunks.size()) fetchAll(world.chunks[c + 1].pulls);
+      isOwn(chunk.lowest) && isOwn(chunk.highest) ? addPulls(chunk.pulls, world, [](std::int32_t) { return true; })
+                                                  : addPulls(chunk.pulls, world, isOwn);
+    }
+  });
 }
 
 }  // namespace
 
 void layOutMotion(World& world) {
   if (!chooseLanes(world.options)) return;
-  world.motionRows.resize(world.bodies.size());
-  shareOutEvenly(world.met.size(), world.met.size() >= bodiesForThreads, [&](std::size_t k) {
-    const std::size_t i = at(world.met[k]);
-    world.motionRows[i] = MotionRow(world.bodies, i);
-  });
+  const auto ofSpheres = [](const World::Chunk& chunk) { return chunk.due.ofSpheres; };
+  world.motionRows.resize(world.bodies.size(), std::any_of(world.chunks.begin(), world.chunks.end(), ofSpheres));
+  shareOutEvenly(world.met.size(), world.met.size() >= bodiesForThreads,
+                 [&](std::size_t k) { world.motionRows.put(world.bodies, at(world.met[k])); });
+}
+
+MotionRows* rowsOfPredict(World& world) {
+  const bool laidOut = world.motionRows.motion.size() == world.bodies.size() && !world.layoutStale;
+  const bool many = 2 * world.met.size() >= world.bodies.movingSlots().size();
+  return laidOut && many && chooseLanes(world.options) ? &world.motionRows : nullptr;
 }
 
 void applyForceLaws(double dt, std::size_t c, World& world) {
@@ -286,7 +292,7 @@ void applyForceLaws(double dt, std::size_t c, World& world) {
 
 void gatherForces(World& world) {
   if (world.options.sleep.on) world.load.resize(world.bodies.size());
-  omp_get_max_threads() == 1 ? sumByContacts(world) : sumByBodies(world);
+  sumForces(world);
 
   // Walls are few: their sums run over all their contacts in order.
   world.wallForces.assign(world.walls.size(), Vec3::Zero());

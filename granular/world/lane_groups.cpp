@@ -7,32 +7,29 @@ std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 }  // namespace
 
-void keepTouching(const std::size_t* positions, std::size_t count, World& world, World::Chunk& chunk) {
+void keepTouching(const std::uint16_t* dueOf, const World& world, World::Chunk& chunk) {
   const auto sizeOf = [&](std::int32_t body) { return body < 0 ? infinity : world.bodies.shape[at(body)]->size(); };
   chunk.deepest = 0;
   // Those that stay move towards the front a run at a time.
   const auto contacts = chunk.contacts.begin();
+  const auto count = static_cast<std::int32_t>(chunk.contacts.size());
   std::int32_t kept = 0, run = 0;
   const auto moveRun = [&](std::int32_t end) {
     const std::int32_t to = kept - (end - run);
     if (to != run) std::copy(contacts + run, contacts + end, contacts + to);
     run = end + 1;
   };
-  for (std::size_t p = 0; p < count; ++p) {
-    World::ContactRange& range = world.contactsOfPair[positions[p]];
-    const std::int32_t before = kept;
-    for (std::int32_t k = range.first; k < range.first + range.count; ++k) {
-      const Contact& contact = chunk.contacts[at(k)];
-      if (contact.a < 0) {
-        moveRun(k);
-        continue;
-      }
-      chunk.noteDepth(contact.touch.overlap, std::min(sizeOf(contact.a), sizeOf(contact.b)), at(kept));
-      ++kept;
+  for (std::int32_t k = 0; k < count; ++k) {
+    const Contact& contact = chunk.contacts[at(k)];
+    if (contact.a < 0) {
+      moveRun(k);
+      if (dueOf) chunk.due.apart.set(dueOf[k]);
+      continue;
     }
-    range = {before, kept - before};
+    chunk.noteDepth(contact.touch.overlap, std::min(sizeOf(contact.a), sizeOf(contact.b)), at(kept));
+    ++kept;
   }
-  moveRun(static_cast<std::int32_t>(chunk.contacts.size()));
+  moveRun(count);
   chunk.contacts.resize(at(kept));
 }
 

@@ -79,8 +79,8 @@ inline void placeFromLane(const PatchLanes& patch, const TripleLanes<wideSize>& 
   contact.placed = true;
 }
 
-/// Takes the contacts without bodies (a = -1) out of a chunk, closing the gaps in the ranges at these positions of
-/// contactsOfPair, and looks for the deepest of those that stay.
-void keepTouching(const std::size_t* positions, std::size_t count, World& world, World::Chunk& chunk);
+/// Takes the contacts without bodies (a = -1) out of a chunk, and looks for the deepest of those that stay. dueOf: for
+/// each contact which of the due pairs it belongs to, which learns that it is apart; null: at walls.
+void keepTouching(const std::uint16_t* dueOf, const World& world, World::Chunk& chunk);
 
 }  // namespace granular

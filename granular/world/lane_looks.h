@@ -31,6 +31,7 @@ class LaneLooks {
   /// Finds the contacts of chunk c.
   void takeChunk(std::size_t c) {
     std::array<std::size_t, World::chunkSize> due;
+    std::array<std::uint16_t, World::chunkSize> dueOf;  // the one that a contact belongs to
     const std::size_t dueCount = listDue(world, c, due.data());
     const auto pairAt = [&](std::size_t k) -> const Pair& {
       return world.pairs.pairs[static_cast<std::size_t>(world.activePairs[due[k]])];
@@ -39,12 +40,16 @@ class LaneLooks {
     for (std::size_t k = 0; k < dueCount; ++k) {
       if (k + farAhead < dueCount) kind().fetchWhere(pairAt(k + farAhead));
       if (k + nextAhead < dueCount) kind().fetchWhat(pairAt(k + nextAhead));
-      const auto before = static_cast<std::int32_t>(chunk.contacts.size());
+      const std::size_t before = chunk.contacts.size();
       take(world.activePairs[due[k]]);
-      world.contactsOfPair[due[k]] = {before, static_cast<std::int32_t>(chunk.contacts.size()) - before};
+      if (chunk.contacts.size() > before) {
+        dueOf[before] = static_cast<std::uint16_t>(k);
+      } else {
+        chunk.due.apart.set(k);
+      }
     }
     (finish(groups<Group>()), ...);
-    keepTouching(due.data(), dueCount, world, chunk);
+    keepTouching(dueOf.data(), world, chunk);
   }
 
   template <class One>

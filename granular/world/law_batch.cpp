@@ -23,8 +23,8 @@ void putWall(const Wall& wall, const Vec3& point, std::size_t k, ContactLanes::P
 void putBodies(const World& world, Contact* const* contacts, std::size_t k, ContactLanes& lanes) {
   std::array<const MotionRow*, wideSize> a, b;
   for (std::size_t i = 0; i < wideSize; ++i) {
-    a[i] = &world.motionRows[at(contacts[i]->a)];
-    b[i] = contacts[i]->b < 0 ? a[i] : &world.motionRows[at(contacts[i]->b)];  // a wall is put in its place
+    a[i] = &world.motionRows.motion[at(contacts[i]->a)];
+    b[i] = contacts[i]->b < 0 ? a[i] : &world.motionRows.motion[at(contacts[i]->b)];  // a wall is put in its place
   }
   lanes.a.put(k, a);
   lanes.b.put(k, b);

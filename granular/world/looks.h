@@ -16,7 +16,8 @@ struct Look {
   Frame frameB;  ///< next to A
 };
 
-/// Calls take(position) for the active pairs of chunk c that need a look, and fetch(pair) for each some time before.
+/// Calls take(position, k) for the active pairs of chunk c that need a look, the k-th that are due, and fetch(pair) for
+/// each some time before. Who turns out to have no contact is to be named in Due::apart.
 template <class Fetch, class Take>
 void takeDue(World& world, std::size_t c, Fetch&& fetch, Take&& take) {
   constexpr std::size_t ahead = 8;
@@ -24,7 +25,7 @@ void takeDue(World& world, std::size_t c, Fetch&& fetch, Take&& take) {
   const std::size_t count = listDue(world, c, due.data());
   for (std::size_t k = 0; k < count; ++k) {
     if (k + ahead < count) fetch(world.pairs.pairs[static_cast<std::size_t>(world.activePairs[due[k + ahead]])]);
-    take(due[k]);
+    take(due[k], k);
   }
 }
 /// Starts to bring into the cache what a look at a pair reads, in two steps: the shapes; if the pair will be looked at,

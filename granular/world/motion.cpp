@@ -33,9 +33,11 @@ class LargestWay {
   std::vector<OfThread>& of;
 };
 
-/// State at t_{n+1} of the bodies in a place (body/lanes.h). Returns a bound on the way of each one's surface, m.
+/// State at t_{n+1} of the bodies in a place (body/lanes.h). Returns a bound on the way of each one's surface, m. rows:
+/// may be null.
 template <class Scheme, class Place>
-typename Place::Real predictBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies) {
+typename Place::Real predictBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies,
+                                   MotionRows* rows) {
   using Real = typename Place::Real;
   const HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
   const Triple<Real> vHalf = place.read(bodies.vHalf);
@@ -46,29 +48,41 @@ typename Place::Real predictBodies(double dt, const Scheme& scheme, const Place&
   const Real fastest = squareRoot(larger(half.w.dot(half.w), next.w.dot(next.w)));
   const Real way = dt * (vHalf.norm() + place.read(bodies.boundingRadius) * fastest);
   place.write(place.read(bodies.travel) + way, bodies.travel);
-  place.write(half.q.rotate(half.w), bodies.spinHalf);
+  const Triple<Real> spinHalf = half.q.rotate(half.w);
+  place.write(spinHalf, bodies.spinHalf);
   place.write(x, bodies.x);
   place.write(v, bodies.v);
   place.write(next.q, bodies.q);
   place.write(next.w, bodies.w);
   place.write(next.q, x, bodies.frame);
+  if (rows) {
+    place.write(
+        MotionOf<Real>{v, next.w, vHalf, spinHalf, place.read(bodies.inverseMass), place.read(bodies.radiusRatio)},
+        rows->motion);
+  }
   return way;
 }
 
 /// The same for balls: their spins are in world axes, and a turn moves no surface.
 template <class Place>
-typename Place::Real predictBalls(double dt, const Place& place, Bodies& bodies) {
+typename Place::Real predictBalls(double dt, const Place& place, Bodies& bodies, MotionRows* rows) {
   using Real = typename Place::Real;
   const Triple<Real> vHalf = place.read(bodies.vHalf), wHalf = place.read(bodies.wHalf);
   Triple<Real> x = place.read(bodies.x), v;
   predictTranslation(dt, vHalf, place.read(bodies.acceleration), x, v);
+  const Triple<Real> w = wHalf + 0.5 * dt * place.read(bodies.alpha);
   const Real way = dt * vHalf.norm();
   place.write(place.read(bodies.travel) + way, bodies.travel);
   place.write(x, bodies.x);
   place.write(v, bodies.v);
   place.write(wHalf, bodies.spinHalf);
-  place.write(wHalf + 0.5 * dt * place.read(bodies.alpha), bodies.w);
+  place.write(w, bodies.w);
   place.writePosition(x, bodies.frame);
+  if (rows) {
+    place.write(MotionOf<Real>{v, w, vHalf, wHalf, place.read(bodies.inverseMass), place.read(bodies.radiusRatio)},
+                rows->motion);
+  }
+  if (rows && !rows->balls.empty()) place.write(x, place.read(bodies.boundingRadius), rows->balls);
   return way;
 }
 
@@ -237,13 +251,19 @@ void moveWalls(double dt, World& world) {
   wakeNearMovingWalls(world);
 }
 
-double predict(double dt, const WorldOptions& options, Bodies& bodies) {
+double predict(double dt, const WorldOptions& options, Bodies& bodies, MotionRows* rows) {
   LargestWay largest;
-  visitByScheme(options, bodies,
-                [&](const auto& scheme, const auto& place) { largest.take(predictBodies(dt, scheme, place, bodies)); });
-  visitBalls(options, bodies.ballSlots(), [&](const auto& place) { largest.take(predictBalls(dt, place, bodies)); });
+  visitByScheme(options, bodies, [&](const auto& scheme, const auto& place) {
+    largest.take(predictBodies(dt, scheme, place, bodies, rows));
+  });
+  visitBalls(options, bodies.ballSlots(),
+             [&](const auto& place) { largest.take(predictBalls(dt, place, bodies, rows)); });
   visitBalls(options, bodies.orientedBallSlots(), [&](const auto& place) { turnBalls(dt, place, bodies); });
   return largest.get();
+}
+
+void predict(double dt, World& world) {
+  world.pairWay += 2 * predict(dt, world.options, world.bodies, rowsOfPredict(world));
 }
 
 void advance(double dt, const WorldOptions& options, Bodies& bodies) {
@@ -316,6 +336,7 @@ void startHalfSteps(World& world, double dt, std::size_t first, bool withContact
   Bodies& bodies = world.bodies;
   if (withContacts) {
     refreshPairs(dt, world);
+    layOutMotion(world);
     makeContacts(0, world);  // no time passes: springs stay as they are
     gatherForces(world);
   } else {

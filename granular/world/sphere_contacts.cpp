@@ -18,79 +18,90 @@ std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 /// A batch of contacts, and what their places are made of.
 struct SphereBatch : BriefBatch {
-  std::array<std::size_t, capacity> position;  // of the pair among the active ones
-  ContactLanes::Lane radiusA, radiusB, smallerRadius;
-
-  void fillRegister() {
-    BriefBatch::fillRegister();
-    const std::size_t last = count() - 1;
-    for (std::size_t k = count(); k % wideSize != 0; ++k) {
-      radiusA[k] = radiusA[last];
-      radiusB[k] = radiusB[last];
-    }
-  }
+  ContactLanes::Lane smallerRadius;
 };
 
-Triple<Wide> loadCentres(const Bodies& bodies, const std::int32_t* slots) {
-  std::array<const Vec3*, wideSize> centres;
-  for (std::size_t k = 0; k < wideSize; ++k) centres[k] = &bodies.x[at(slots[k])];
-  return loadVectors(centres);
-}
+/// One sphere of each pair of a register.
+struct Party {
+  Triple<Wide> x;
+  Wide radius;
 
-/// Where the spheres of the register from lane k on touch (narrow/ball_touch.h). elastic: lawReadsCurvature.
-void placeSpheres(const Bodies& bodies, bool elastic, std::size_t k, SphereBatch& s) {
-  const Triple<Wide> xA = loadCentres(bodies, &s.a[k]), xB = loadCentres(bodies, &s.b[k]);
-  const Triple<Wide> between = xB + s.shift.load(k) - xA;
-  const Wide distance = between.norm(), radiusA = s.radiusA.load(k), radiusB = s.radiusB.load(k);
-  const Wide radii = radiusA + radiusB, inside = radii - distance;
-  const Mask<Wide> apart = distance > Wide{};
-  const Triple<Wide> along = Wide(1 / choose(apart, distance, spread(1))) * between;
-  const Triple<Wide> n = choose<Wide>(apart, along, {spread(1), Wide{}, Wide{}});
-  if (elastic) s.contacts.radius.store(k, radiusA * radiusB / radii);
-  s.smallerRadius.store(k, smaller(radiusA, radiusB));
-  s.place(k, {n, inside, xA + Wide(radiusA - 0.5 * inside) * n}, xA, xB);
-}
+  Party(const std::vector<BallRow>& balls, const std::int32_t* slots) {
+    std::array<const double*, wideSize> rows;
+    for (std::size_t k = 0; k < wideSize; ++k) rows[k] = balls[at(slots[k])].x.data();
+    std::array<Wide, 4> column;
+    loadRows(rows, column);
+    x = {column[0], column[1], column[2]};
+    radius = column[3];
+  }
+};
 
 /// Makes the contacts of a chunk.
 class SphereLooks {
  public:
-  SphereLooks(double dt, World& of, World::Chunk& into)
+  SphereLooks(double dt, World& of, std::size_t c)
       : world(of),
-        chunk(into),
-        anyHeld(!of.pairs.memory.held.empty()),
+        chunk(of.chunks[c]),
+        active(&of.activePairs[c * World::chunkSize]),
+        periodic(of.options.periods.any()),
         elastic(lawReadsCurvature(of.options.law)),
         batch(ownOfThread<SphereBatch>()) {
     batch.begin(dt, of);
+    batch.childA.fill(-1);
+    batch.childB.fill(-1);
+    for (std::size_t k = 0; k < BriefBatch::capacity; k += wideSize) batch.shift.store(k, Triple<Wide>{});
   }
 
-  /// Looks at a pair that is due; position: among the active ones.
-  void take(std::size_t position) {
-    const std::int32_t index = world.activePairs[position];
-    const Pair& pair = world.pairs.pairs[at(index)];
-    PairMemory& memory = world.pairs.memory;
-    if (anyHeld && at(pair.slot) < memory.held.size()) memory.held[at(pair.slot)].a = -1;
-    const std::size_t k = batch.add({index, pair.a, pair.b, -1, -1}, memory.history[at(pair.slot)]);
-    batch.position[k] = position;
-    batch.shift.put(k, world.options.periods.shift(pair.image));
-    batch.radiusA[k] = world.bodies.boundingRadius[at(pair.a)];
-    batch.radiusB[k] = world.bodies.boundingRadius[at(pair.b)];
-    if (batch.count() == BriefBatch::capacity) finish();
-  }
-
-  /// Finds where those that wait touch, and presses them.
-  void finish() {
-    if (batch.count() == 0) return;
-    chunk.counts.warm += batch.count();
+  /// From where they are to the law, those of the due pairs from this one on that a batch has room for; how many.
+  std::size_t takeFrom(std::size_t first) {
+    const std::size_t count = std::min(BriefBatch::capacity, chunk.due.count - first);
+    for (std::size_t k = 0; k < count; ++k) take(first + k, k);
+    batch.contacts.count = count;
+    chunk.counts.warm += count;
     batch.fillRegister();
-    for (std::size_t k = 0; k < batch.count(); k += wideSize) placeSpheres(world.bodies, elastic, k, batch);
-    for (std::size_t k = 0; k < batch.count(); ++k) {
+    for (std::size_t k = 0; k < count; k += wideSize) place(k);
+    for (std::size_t k = 0; k < count; ++k) {
       if (!(batch.contacts.overlap[k] > 0)) part(k);
     }
-    batch.dropApart(batch.position, batch.smallerRadius, world, chunk);
+    batch.dropApart(batch.smallerRadius, chunk);
     batch.press(chunk);
+    return count;
   }
 
  private:
+  void take(std::size_t due, std::size_t k) {
+    fetch(due + ahead);
+    SpherePair& spheres = chunk.due.spheres[due];
+    batch.pair[k] = active[chunk.due.place[due]];
+    batch.a[k] = spheres.a;
+    batch.b[k] = spheres.b;
+    batch.due[k] = due;
+    batch.history[k] = &spheres.history;
+    if (periodic) batch.shift.put(k, world.options.periods.shift(world.pairs.pairs[at(batch.pair[k])].image));
+  }
+
+  /// Who comes later: the motion of A is near, because neighbours in the list share it.
+  void fetch(std::size_t due) const {
+    if (due >= chunk.due.count) return;
+    const auto b = at(chunk.due.spheres[due].b);
+    __builtin_prefetch(&world.motionRows.balls[b]);
+    fetchWhole(world.motionRows.motion[b]);
+  }
+
+  /// Where the spheres of the register from lane k on touch (narrow/ball_touch.h).
+  void place(std::size_t k) {
+    const std::vector<BallRow>& balls = world.motionRows.balls;
+    const Party a(balls, &batch.a[k]), b(balls, &batch.b[k]);
+    const Triple<Wide> between = b.x + batch.shift.load(k) - a.x;
+    const Wide distance = between.norm(), radii = a.radius + b.radius, inside = radii - distance;
+    const Mask<Wide> apart = distance > Wide{};
+    const Triple<Wide> along = Wide(1 / choose(apart, distance, spread(1))) * between;
+    const Triple<Wide> n = choose<Wide>(apart, along, {spread(1), Wide{}, Wide{}});
+    if (elastic) batch.contacts.radius.store(k, a.radius * b.radius / radii);
+    batch.smallerRadius.store(k, smaller(a.radius, b.radius));
+    batch.place(k, {n, inside, a.x + Wide(a.radius - 0.5 * inside) * n}, a.x, b.x);
+  }
+
   /// Waits for as long as the gap needs to close.
   void part(std::size_t k) {
     Pair& pair = world.pairs.pairs[at(batch.pair[k])];
@@ -99,25 +110,35 @@ class SphereLooks {
     *batch.history[k] = ContactHistory{};
   }
 
+  static constexpr std::size_t ahead = 8;  // pairs whose motion is asked for in time
+
   World& world;
   World::Chunk& chunk;
-  const bool anyHeld;  ///< contacts between bodies at rest
-  const bool elastic;
+  const std::int32_t* active;  // pairs of the chunk
+  const bool periodic, elastic;
   SphereBatch& batch;
 };
+
+/// Contacts that were held while both bodies were at rest are no longer.
+void forgetHeld(World& world, std::size_t c) {
+  std::vector<Contact>& held = world.pairs.memory.held;
+  if (held.empty()) return;
+  const World::Chunk::Due& due = world.chunks[c].due;
+  for (std::size_t k = 0; k < due.count; ++k) {
+    const std::int32_t index = world.activePairs[c * World::chunkSize + due.place[k]];
+    const std::size_t slot = at(world.pairs.pairs[at(index)].slot);
+    if (slot < held.size()) held[slot].a = -1;
+  }
+}
 
 }  // namespace
 
 void makeSphereContacts(double dt, std::size_t c, World& world) {
-  World::Chunk& chunk = startChunk(world, c);
-  SphereLooks looks(dt, world, chunk);
-  const auto fetch = [&](const Pair& pair) {
-    __builtin_prefetch(&world.pairs.memory.history[at(pair.slot)]);
-    __builtin_prefetch(&world.bodies.x[at(pair.b)]);
-    fetchWhole(world.motionRows[at(pair.b)]);
-  };
-  takeDue(world, c, fetch, [&](std::size_t position) { looks.take(position); });
-  looks.finish();
+  startChunk(world, c);
+  const std::size_t count = refreshDue(world, c).count;
+  forgetHeld(world, c);
+  SphereLooks looks(dt, world, c);
+  for (std::size_t k = 0; k < count;) k += looks.takeFrom(k);
 }
 
 }  // namespace granular

@@ -14,9 +14,11 @@ inline constexpr std::size_t bodiesBeyondCaches = 4096;
 
 /// Puts moving walls where they are at t_{n+1}.
 void moveWalls(double dt, World& world);
-/// Positions, orientations and predicted velocities at t_{n+1} of every moving body. Returns a bound on how far any
-/// point of their surfaces moved, m.
-double predict(double dt, const WorldOptions& options, Bodies& bodies);
+/// Positions, orientations and predicted velocities at t_{n+1} of every moving body.
+void predict(double dt, World& world);
+/// The same for bodies alone, with the rows that laws in lanes read of their motion (null: none). Returns a bound on
+/// how far any point of their surfaces moved, m.
+double predict(double dt, const WorldOptions& options, Bodies& bodies, MotionRows* rows);
 /// Brings the pairs up to date when some surface may have left its grown bounds.
 void refreshPairs(double dt, World& world);
 /// The contacts of all chunks, by the three stages below: chunk after chunk, so that what one stage reads is still near
@@ -24,6 +26,9 @@ void refreshPairs(double dt, World& world);
 void makeContacts(double dt, World& world);
 /// The motion of the bodies in active pairs as rows, for laws in lanes. Nothing for others.
 void layOutMotion(World& world);
+/// Those rows, where predict is to keep them up to date: since the last layOutMotion nobody but moving bodies changed,
+/// and many of these are in active pairs. Else null.
+MotionRows* rowsOfPredict(World& world);
 /// The three stages below at once for a chunk of spheres (sphere_contacts.cpp), of clumps and spheres
 /// (ball_contacts.cpp) or of ellipsoids (ellipsoid_contacts.cpp), in batches; the same bits.
 void makeSphereContacts(double dt, std::size_t c, World& world);
@@ -57,8 +62,14 @@ void checkDomain(World& world);
 /// Empties chunk c, keeping its memory.
 World::Chunk& startChunk(World& world, std::size_t c);
 
-/// Lays out incidence and chunks for the present pairs: after a refresh, and after loading a checkpoint.
+/// Lays out chunks for the present pairs, and what is listed of their bodies: after a refresh, and after loading a
+/// checkpoint.
 void layOutContacts(World& world);
+
+/// Histories that chunks of spheres keep go to the memory of the pairs, which then has all; before pairs change, or
+/// somebody reads them. And back to the chunks, before the next step.
+void fileHistories(World& world);
+void takeHistories(World& world);
 
 /// Keeps a contact of two bodies at rest until one of them moves.
 void holdContact(Contact& contact, World& world);

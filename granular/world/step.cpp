@@ -61,7 +61,7 @@ class LapTimer {
 }  // namespace
 
 void makeContacts(double dt, World& world) {
-  layOutMotion(world);
+  if (!rowsOfPredict(world)) layOutMotion(world);
   const bool timed = isTimed(world);
   shareOut(world.chunks.size(), world.chunks.size() >= chunksForThreads, [&](std::size_t c) {
     auto& seconds = world.chunks[c].seconds;
@@ -85,7 +85,7 @@ void step(World& world, double dt) {
   LapTimer timer(isTimed(world), world.report);
   moveWalls(dt, world);
   timer.lap(Stage::walls);
-  world.pairWay += 2 * predict(dt, world.options, world.bodies);  // x, q, v, w at t_{n+1}
+  predict(dt, world);  // x, q, v, w at t_{n+1}
   timer.lap(Stage::predict);
   layInOrder(world);        // only if neighbours lie far apart in memory
   refreshPairs(dt, world);  // only after the skin is used up

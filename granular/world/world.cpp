@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "granular/core/errors.h"
+#include "granular/world/stages.h"
 
 namespace granular {
 namespace {
@@ -97,6 +98,7 @@ void World::removeBodies(const std::vector<bool>& gone) {
 
 void World::rearrange(const std::vector<std::int32_t>& order) {
   const auto at = [](std::int32_t k) { return static_cast<std::size_t>(k); };
+  fileHistories(*this);
   std::vector<std::int32_t> slotOf(bodies.size(), -1);  // -1: removed
   for (std::size_t k = 0; k < order.size(); ++k) slotOf[at(order[k])] = static_cast<std::int32_t>(k);
 

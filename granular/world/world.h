@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <memory>
 #include <string>
 #include <vector>
@@ -77,8 +78,12 @@ struct World {
     struct Due {
       std::array<std::uint16_t, chunkSize> place;  ///< in the chunk, ascending
       std::size_t count = 0;
-      double quietUntil = infinity;  ///< the least quietWay of the others, m
+      std::bitset<chunkSize> apart;     ///< those (by their place in this list) that turned out to have no contact
+      double quietUntil = infinity;     ///< the least quietWay of the others, m
+      bool ofSpheres = false;           ///< makeSphereContacts makes their contacts
+      std::vector<SpherePair> spheres;  ///< then one for each of the list, with its history
     } due;
+    std::int32_t lowest = 0, highest = -1;  ///< slots of the bodies that are part of its pairs
     std::vector<Contact> contacts;
     /// Only balls or only ellipsoids meet here, and this makes their contacts in batches; null: stage by stage.
     void (*make)(double dt, std::size_t chunk, World& world) = nullptr;
@@ -115,21 +120,10 @@ struct World {
   /// An active pair that isn't due needs no look while pairWay is below its number here, m: one number tells what
   /// isQuiet asks of both bodies. Infinite for others, and to the end of the last chunk.
   std::vector<double> quietWay;
-  /// Which active pairs a body is part of, in the order of the lists.
-  struct Incidence {
-    std::int32_t active;  ///< position in activePairs, or for walls -1 - position in activeWallPairs
-    bool isB;
-  };
-  std::vector<std::int32_t> incidenceBegin;
-  std::vector<Incidence> incidence;
+  bool historiesFiled = true;          ///< none is with a chunk's due pairs (fileHistories)
   std::vector<std::int32_t> met;       ///< slots of the bodies that are part of active pairs
-  std::vector<MotionRow> motionRows;   ///< how those move, by slot, for laws in lanes
+  MotionRows motionRows;               ///< how those move, for laws in lanes
   std::vector<std::int32_t> gathered;  ///< slots whose forces a step sums: the moving, and sleepers near them
-  /// Contacts of an active pair (body pairs, then wall pairs): first index in its chunk, and how many.
-  struct ContactRange {
-    std::int32_t first = 0, count = 0;
-  };
-  std::vector<ContactRange> contactsOfPair;
   /// Sums of the contacts a body at rest has with others at rest, which keep their force; empty unless bodies sleep.
   std::vector<Vec3> heldForce, heldTorque;
   std::vector<double> load;  ///< weight plus half the sum of the contact forces of each moving body, N; for sleep alone
@@ -174,6 +168,8 @@ struct World {
     }
   }
   std::size_t contactCount() const;
+  /// What a pair with one contact remembers; index: in pairs.
+  const ContactHistory& historyOf(std::int32_t index) const;
   /// Contact k of those in short of a chunk, in full.
   Contact describeBrief(const Chunk& chunk, std::size_t k) const;
 };

@@ -140,6 +140,7 @@ TEST(Search, MemoryOfAPairSurvivesARefresh) {
   PairList list;
   search.refreshPairs(bodies, 1e-6, 0, list);
   ASSERT_EQ(list.pairs.size(), 2u);
+  list.memory.makeHistories();
   const std::int32_t slot = list.pairs[1].slot;
   list.memory.history[static_cast<std::size_t>(slot)].twist = 7;
   bodies.x[0].x() -= 5e-3;  // the first pair goes

@@ -34,7 +34,7 @@ void compareLists(World& world, Tally& tally) {
 
 /// A step by its stages, with the lists looked at in between.
 void stepAndCompare(World& world, double dt, Tally& tally) {
-  world.pairWay += 2 * predict(dt, world.options, world.bodies);
+  predict(dt, world);
   refreshPairs(dt, world);
   compareLists(world, tally);
   makeContacts(dt, world);

@@ -64,7 +64,7 @@ void pull(Bodies& bodies) {
 
 /// Moves the bodies under those forces alone.
 void moveOneStep(World& world) {
-  predict(1e-5, world.options, world.bodies);
+  predict(1e-5, world.options, world.bodies, nullptr);
   pull(world.bodies);
   applyLocks(0, world.bodies);
   advance(1e-5, world.options, world.bodies);
@@ -148,7 +148,7 @@ TEST(Motion, OfABallUnderAConstantTorqueIsExact) {
   }
   const Vec3 other = bodies.w[1];
   for (int n = 0; n < steps; ++n) {
-    predict(dt, options, bodies);
+    predict(dt, options, bodies, nullptr);
     for (std::size_t i = 0; i < 2; ++i) bodies.torque[i] = torque;
     advance(dt, options, bodies);
   }
@@ -167,7 +167,7 @@ TEST_P(Motion, OfABodyAloneIsThatOfTheTable) {
   const RotationScheme& scheme = rotationScheme(GetParam());
   Bodies alone = bodies;
   for (int n = 0; n < 20; ++n) {
-    predict(1e-5, options, bodies);
+    predict(1e-5, options, bodies, nullptr);
     pull(bodies);
     advance(1e-5, options, bodies);
     for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -201,7 +201,7 @@ TEST_P(Motion, WholeStepsInLanesHaveTheSameBitsAndTroubleAsOneByOne) {
   worlds[0]->bodies.vHalf[20].x() = worlds[1]->bodies.vHalf[20].x() = std::nan("");
   for (auto& world : worlds) watch(*world);
   for (auto& world : worlds) {
-    predict(1e-7, world->options, world->bodies);
+    predict(1e-7, world->options, world->bodies, nullptr);
     watch(*world);
   }
   EXPECT_EQ(worlds[0]->report.troubleCounts, worlds[1]->report.troubleCounts);
