@@ -21,6 +21,8 @@ class BroadPhase {
   /// All pairs (k < l) whose boxes overlap, boundaries included, in no particular order. Exact: what the tree returns
   /// depends on its history and its margins, so each pair is tested against the boxes as given.
   virtual void collect(std::vector<std::array<std::int32_t, 2>>& out) = 0;
+  /// All k whose boxes overlap this one, in the same way.
+  virtual void query(const Aabb& box, std::vector<std::int32_t>& out) const = 0;
 };
 
 /// Bullet's btDbvtBroadphase; lengths are divided by `unit` (m) first, because its margin of .05 is absolute.

@@ -19,6 +19,12 @@ class BruteForceBroadPhase final : public BroadPhase {
       }
     }
   }
+  void query(const Aabb& box, std::vector<std::int32_t>& out) const override {
+    out.clear();
+    for (std::size_t k = 0; k < boxes.size(); ++k) {
+      if (boxes[k].overlaps(box)) out.push_back(static_cast<std::int32_t>(k));
+    }
+  }
 
  private:
   std::vector<Aabb> boxes;

@@ -4,6 +4,7 @@
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 
 #include <cassert>
+#include <utility>
 
 #include "granular/search/broad_phase.h"
 
@@ -42,21 +43,30 @@ class BulletBroadPhase final : public BroadPhase {
   void collect(std::vector<std::array<std::int32_t, 2>>& out) override {
     out.clear();
     tree.optimizeIncremental(static_cast<int>(leaves.size() / 64) + 1);
-    Collector collector(boxes, out);
-    tree.collideTT(tree.m_root, tree.m_root, collector);
+    Visitor visitor([&](std::size_t k, std::size_t l) {
+      if (k > l) std::swap(k, l);
+      if (boxes[k].overlaps(boxes[l])) out.push_back({static_cast<std::int32_t>(k), static_cast<std::int32_t>(l)});
+    });
+    tree.collideTT(tree.m_root, tree.m_root, visitor);
+  }
+
+  void query(const Aabb& box, std::vector<std::int32_t>& out) const override {
+    out.clear();
+    Visitor visitor([&](std::size_t k, std::size_t) {
+      if (boxes[k].overlaps(box)) out.push_back(static_cast<std::int32_t>(k));
+    });
+    tree.collideTV(tree.m_root, scaled(box), visitor);
   }
 
  private:
-  /// Takes what overlaps in the tree, if the boxes as given do.
-  struct Collector final : btDbvt::ICollide {
-    Collector(const std::vector<Aabb>& from, std::vector<std::array<std::int32_t, 2>>& to) : boxes(from), out(to) {}
-    void Process(const btDbvtNode* one, const btDbvtNode* other) override {
-      auto k = reinterpret_cast<std::size_t>(one->data), l = reinterpret_cast<std::size_t>(other->data);
-      if (k > l) std::swap(k, l);
-      if (boxes[k].overlaps(boxes[l])) out.push_back({static_cast<std::int32_t>(k), static_cast<std::int32_t>(l)});
-    }
-    const std::vector<Aabb>& boxes;
-    std::vector<std::array<std::int32_t, 2>>& out;
+  static std::size_t indexOf(const btDbvtNode* leaf) { return reinterpret_cast<std::size_t>(leaf->data); }
+  /// Calls visit(k, l) for what overlaps in the tree; of a query l is of no meaning.
+  template <class Visit>
+  struct Visitor final : btDbvt::ICollide {
+    explicit Visitor(Visit chosen) : visit(std::move(chosen)) {}
+    void Process(const btDbvtNode* leaf) override { visit(indexOf(leaf), std::size_t{0}); }
+    void Process(const btDbvtNode* one, const btDbvtNode* other) override { visit(indexOf(one), indexOf(other)); }
+    Visit visit;
   };
 
   /// Scaling keeps the order of numbers: boxes that overlap still do.

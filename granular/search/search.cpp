@@ -7,6 +7,9 @@
 namespace granular {
 namespace {
 
+/// Of all bodies, from which on every pair is looked for anew: walking through the tree once is then less work.
+constexpr double fewMoved = 0.1;
+
 bool canMove(const Bodies& bodies, std::size_t i) { return bodies.state[i] != BodyState::frozen; }
 
 }  // namespace
@@ -29,8 +32,7 @@ bool Search::isDue(const Bodies& bodies, double wallTravel) const {
 void Search::refreshPairs(const Bodies& bodies, double dt, double wallTravel, PairList& list) {
   ++refreshes;
   placeBounds(bodies, dt, wallTravel);
-  if (settings.periods.any()) placeGhosts(bodies);
-  broadPhase->collect(candidates);
+  findPairs(bodies);
   mergePairs(bodies, list);
 }
 
@@ -51,19 +53,28 @@ void Search::packBoxes() {
 }
 
 void Search::restoreBoxes(const Bodies& bodies) {
-  boxes.resize(lowest.size());
+  const std::size_t n = lowest.size();
+  boxes.resize(n);
+  wraps.assign(n, Image{0, 0, 0});
+  couldMove.assign(n, 0);  // whoever can is looked at by the next refresh
   makeBroadPhase(bodies);
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
+  for (std::size_t i = 0; i < n; ++i) {
     boxes[i].lo = lowest[i];
     boxes[i].hi = highest[i];
+    for (int k = 0; k < 3; ++k) {
+      const double period = settings.periods.length[k];
+      if (period <= 0) continue;
+      const double middle = 0.5 * (boxes[i].lo[k] + boxes[i].hi[k]);
+      wraps[i][static_cast<std::size_t>(k)] = static_cast<std::int32_t>(std::round((middle - bodies.x[i][k]) / period));
+    }
     broadPhase->place(i, boxes[i]);
   }
 }
 
 void Search::placeBounds(const Bodies& bodies, double dt, double wallTravel) {
   const std::size_t n = bodies.size();
-  // Starting over: bodies were removed, or a periodic domain makes its ghosts anew.
-  const bool anew = !broadPhase || margins.size() > n || margins.empty() || settings.periods.any();
+  // Starting over: bodies were removed.
+  const bool anew = !broadPhase || margins.size() > n || margins.empty();
   if (anew) {
     makeBroadPhase(bodies);
     margins.clear();
@@ -72,93 +83,125 @@ void Search::placeBounds(const Bodies& bodies, double dt, double wallTravel) {
   boxes.resize(n);
   margins.resize(n);
   travelAtPlace.resize(n);
-  wraps.assign(n, Image{0, 0, 0});
+  couldMove.resize(n);
+  wraps.resize(n);
+  moved.clear();
   for (std::size_t i = 0; i < n; ++i) {
+    const bool thawed = canMove(bodies, i) && !couldMove[i];
+    couldMove[i] = canMove(bodies, i);
     // Bodies that have used less than half of their margin keep their box.
     const double used = bodies.travel[i] + wallTravel - (i < known ? travelAtPlace[i] : 0);
-    if (i < known && used <= 0.5 * margins[i] && !settings.everyStep) continue;
+    const bool stays = i < known && used <= 0.5 * margins[i] && !settings.everyStep;
+    if (!stays || thawed) moved.push_back(static_cast<std::int32_t>(i));
+    if (stays) continue;
     const double turning = bodies.isBall(i) ? 0 : bodies.boundingRadius[i] * bodies.wHalf[i].norm();
     const double speed = bodies.vHalf[i].norm() + turning;
     margins[i] = settings.skin * bodies.shape[i]->size() + settings.lookAhead * dt * speed;
     travelAtPlace[i] = bodies.travel[i] + wallTravel;
     boxes[i] = bodies.shape[i]->bounds(bodies.frame[i]).grown(margins[i]);
-    if (settings.periods.any()) {
-      for (int k = 0; k < 3; ++k) {
-        const double period = settings.periods.length[k];
-        if (period <= 0) continue;
-        const double wrap = -std::floor((bodies.x[i][k] - settings.periods.origin[k]) / period);
-        wraps[i][static_cast<std::size_t>(k)] = static_cast<std::int32_t>(wrap);
-        boxes[i].lo[k] += wrap * period;
-        boxes[i].hi[k] += wrap * period;
-      }
+    wraps[i] = Image{0, 0, 0};
+    for (int k = 0; k < 3; ++k) {
+      const double period = settings.periods.length[k];
+      if (period <= 0) continue;
+      const double wrap = -std::floor((bodies.x[i][k] - settings.periods.origin[k]) / period);
+      wraps[i][static_cast<std::size_t>(k)] = static_cast<std::int32_t>(wrap);
+      boxes[i].lo[k] += wrap * period;
+      boxes[i].hi[k] += wrap * period;
     }
     broadPhase->place(i, boxes[i]);
   }
+  allMoved = static_cast<double>(moved.size()) >= fewMoved * static_cast<double>(n);
+  isMoved.assign(n, allMoved);
+  for (const std::int32_t i : moved) isMoved[static_cast<std::size_t>(i)] = true;
 }
 
-void Search::placeGhosts(const Bodies& bodies) {
-  // Images towards one half of the directions: every neighbouring pair of images then occurs exactly once.
-  ghosts.clear();
-  const Periods& periods = settings.periods;
-  const Vec3 end = periods.origin + periods.length;
-  double reach = 0;
-  for (const Aabb& box : boxes) reach = std::max(reach, (box.hi - box.lo).maxCoeff());
-  std::size_t proxy = bodies.size();
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    for (int n = 14; n < 27; ++n) {
-      const Image image{static_cast<std::int32_t>(n / 9 - 1), static_cast<std::int32_t>(n / 3 % 3 - 1),
-                        static_cast<std::int32_t>(n % 3 - 1)};
-      Aabb box = boxes[i];
-      bool near = true;
-      for (int k = 0; k < 3 && near; ++k) {
-        const int steps = image[static_cast<std::size_t>(k)];
-        if (steps == 0) continue;
-        const double period = periods.length[k];
-        box.lo[k] += steps * period;
-        box.hi[k] += steps * period;
-        // A ghost can only meet bodies whose centre is inside the domain.
-        near = period > 0 && box.lo[k] <= end[k] + reach && box.hi[k] >= periods.origin[k] - reach;
+/// All pairs in which somebody moved, each once, in the order of the list.
+void Search::findPairs(const Bodies& bodies) {
+  found.clear();
+  const Image same{0, 0, 0};
+  if (allMoved) {
+    broadPhase->collect(candidates);
+    for (const auto& [k, l] : candidates) addPair(bodies, k, l, same);
+  } else {
+    for (const std::int32_t i : moved) {
+      broadPhase->query(boxes[static_cast<std::size_t>(i)], near);
+      for (const std::int32_t j : near) {
+        if (j != i) addPair(bodies, j, i, same);
       }
-      if (!near) continue;
-      ghosts.push_back({static_cast<std::int32_t>(i), image});
-      broadPhase->place(proxy++, box);
     }
   }
-}
-
-void Search::mergePairs(const Bodies& bodies, PairList& list) {
-  // Candidates become pairs, lower id first.
-  const auto n = static_cast<std::int32_t>(bodies.size());
-  found.clear();
-  if (candidates.size() > found.capacity()) found.reserve(candidates.size() + candidates.size() / 8);
-  for (const auto& [k, l] : candidates) {
-    if (k >= n) continue;  // ghost against ghost: their bodies meet elsewhere
-    Pair pair{k, l, -1, Image{0, 0, 0}, -infinity};
-    if (settings.periods.any()) {
-      Image ghost{0, 0, 0};
-      if (l >= n) {
-        ghost = ghosts[static_cast<std::size_t>(l - n)].image;
-        pair.b = ghosts[static_cast<std::size_t>(l - n)].body;
-      }
-      const Image& wrapA = wraps[static_cast<std::size_t>(pair.a)];
-      const Image& wrapB = wraps[static_cast<std::size_t>(pair.b)];
-      for (std::size_t m = 0; m < 3; ++m) pair.image[m] = static_cast<std::int32_t>(ghost[m] + wrapB[m] - wrapA[m]);
-      if (pair.a == pair.b) continue;  // longer than half a period: refused at the start
+  if (settings.periods.any()) {
+    largestBox = 0;
+    for (const Aabb& box : boxes) largestBox = std::max(largestBox, (box.hi - box.lo).maxCoeff());
+    if (allMoved) {
+      for (std::size_t i = 0; i < bodies.size(); ++i) findAtImages(bodies, i);
+    } else {
+      for (const std::int32_t i : moved) findAtImages(bodies, static_cast<std::size_t>(i));
     }
-    if (!canMove(bodies, static_cast<std::size_t>(pair.a)) && !canMove(bodies, static_cast<std::size_t>(pair.b)))
-      continue;
-    if (bodies.id[static_cast<std::size_t>(pair.a)] > bodies.id[static_cast<std::size_t>(pair.b)]) {
-      std::swap(pair.a, pair.b);
-      for (auto& steps : pair.image) steps = static_cast<std::int32_t>(-steps);
-    }
-    found.push_back(pair);
   }
   std::sort(found.begin(), found.end(), comesBefore);
+  const auto isSame = [](const Pair& p, const Pair& q) { return !comesBefore(p, q) && !comesBefore(q, p); };
+  found.erase(std::unique(found.begin(), found.end(), isSame), found.end());  // where both moved
+}
 
-  // Old and new lists are both in key order: one pass carries the memory over.
+/// Pairs of images of body i with bodies in the domain: images towards one half of the directions if all bodies are
+/// asked, so that every neighbouring pair of images occurs exactly once.
+void Search::findAtImages(const Bodies& bodies, std::size_t i) {
+  const Periods& periods = settings.periods;
+  const Vec3 end = periods.origin + periods.length;
+  for (int n = allMoved ? 14 : 0; n < 27; ++n) {
+    if (n == 13) continue;
+    const Image image{static_cast<std::int32_t>(n / 9 - 1), static_cast<std::int32_t>(n / 3 % 3 - 1),
+                      static_cast<std::int32_t>(n % 3 - 1)};
+    Aabb box = boxes[i];
+    bool isNear = true;
+    for (int k = 0; k < 3 && isNear; ++k) {
+      const int steps = image[static_cast<std::size_t>(k)];
+      if (steps == 0) continue;
+      const double period = periods.length[k];
+      box.lo[k] += steps * period;
+      box.hi[k] += steps * period;
+      // An image can only meet bodies whose centre is inside the domain.
+      isNear = period > 0 && box.lo[k] <= end[k] + largestBox && box.hi[k] >= periods.origin[k] - largestBox;
+    }
+    if (!isNear) continue;
+    broadPhase->query(box, near);
+    // A body that meets itself is longer than half a period: refused at the start.
+    for (const std::int32_t j : near) {
+      if (j != static_cast<std::int32_t>(i)) addPair(bodies, j, static_cast<std::int32_t>(i), image);
+    }
+  }
+}
+
+/// Lower id first. imageOfBox: of B's box against the one that was placed.
+void Search::addPair(const Bodies& bodies, std::int32_t a, std::int32_t b, const Image& imageOfBox) {
+  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+  if (!canMove(bodies, i) && !canMove(bodies, j)) return;
+  Pair pair{a, b, -1, imageOfBox, -infinity};
+  for (std::size_t k = 0; k < 3; ++k) pair.image[k] += wraps[j][k] - wraps[i][k];
+  if (bodies.id[i] > bodies.id[j]) {
+    std::swap(pair.a, pair.b);
+    for (auto& steps : pair.image) steps = -steps;
+  }
+  found.push_back(pair);
+}
+
+/// Pairs that were found take the place of all those in which somebody moved.
+void Search::mergePairs(const Bodies& bodies, PairList& list) {
+  std::vector<Pair> merged;
+  merged.reserve(allMoved ? found.size() + found.size() / 8 : list.pairs.size() + found.size());
+  // Both lists are in the order of their keys: one pass carries the memory over.
   std::size_t old = 0;
+  const auto isPast = [&](const Pair& pair) {
+    const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
+    return isMoved[a] || isMoved[b] || (!canMove(bodies, a) && !canMove(bodies, b));
+  };
+  const auto leaveOld = [&] {
+    const Pair& pair = list.pairs[old++];
+    isPast(pair) ? list.memory.give(pair.slot) : merged.push_back(pair);
+  };
   for (Pair& pair : found) {
-    while (old < list.pairs.size() && comesBefore(list.pairs[old], pair)) list.memory.give(list.pairs[old++].slot);
+    while (old < list.pairs.size() && comesBefore(list.pairs[old], pair)) leaveOld();
     if (old < list.pairs.size() && !comesBefore(pair, list.pairs[old])) {
       pair.slot = list.pairs[old].slot;
       pair.quietUntil = list.pairs[old].quietUntil;
@@ -166,10 +209,14 @@ void Search::mergePairs(const Bodies& bodies, PairList& list) {
     } else {
       pair.slot = list.memory.take();
     }
+    merged.push_back(pair);
   }
-  while (old < list.pairs.size()) list.memory.give(list.pairs[old++].slot);
-  list.pairs.swap(found);
-  found = {};  // as large as the list, and not needed until the next search
+  while (old < list.pairs.size()) leaveOld();
+  list.pairs.swap(merged);
+  if (allMoved) {  // as large as the list, and not needed until the next search
+    found = {};
+    candidates = {};
+  }
 }
 
 }  // namespace granular

@@ -38,8 +38,8 @@ class Search {
   /// True if some surface may have left its grown bounds since the last refresh, or bodies came or went.
   bool isDue(const Bodies& bodies, double wallTravel) const;
 
-  /// Brings the pairs of bodies up to date. Memory of surviving pairs is kept; pairs of two bodies that cannot move are
-  /// left out.
+  /// Brings the pairs of bodies up to date, at the cost of those that moved. Memory of surviving pairs is kept; pairs
+  /// of two bodies that cannot move are left out.
   void refreshPairs(const Bodies& bodies, double dt, double wallTravel, PairList& list);
 
   /// The margin by which body i's bounds are grown, m.
@@ -65,23 +65,26 @@ class Search {
  private:
   void makeBroadPhase(const Bodies& bodies);
   void placeBounds(const Bodies& bodies, double dt, double wallTravel);
-  void placeGhosts(const Bodies& bodies);
+  void findPairs(const Bodies& bodies);
+  void findAtImages(const Bodies& bodies, std::size_t i);
+  void addPair(const Bodies& bodies, std::int32_t a, std::int32_t b, const Image& imageOfBox);
   void mergePairs(const Bodies& bodies, PairList& list);
-
-  struct Ghost {
-    std::int32_t body;
-    Image image;  // of the ghost against the wrapped body
-  };
 
   SearchOptions settings;
   std::unique_ptr<BroadPhase> broadPhase;
-  std::vector<Aabb> boxes;            // grown bounds as placed
-  std::vector<double> margins;        // by which they were grown
-  std::vector<double> travelAtPlace;  // travel of the body (and the walls) when they were placed
-  std::vector<Vec3> lowest, highest;  // boxes as columns, for a checkpoint
-  std::vector<Image> wraps;           // periods that bring a body into the domain
-  std::vector<Ghost> ghosts;
+  std::vector<Aabb> boxes;              // grown bounds as placed
+  std::vector<double> margins;          // by which they were grown
+  std::vector<double> travelAtPlace;    // travel of the body (and the walls) when they were placed
+  std::vector<Vec3> lowest, highest;    // boxes as columns, for a checkpoint
+  std::vector<Image> wraps;             // periods that brought a body into the domain when its box was placed
+  double largestBox = 0;                // edge, m
+  std::vector<std::uint8_t> couldMove;  // at the last refresh
+  // Of the present refresh: whose pairs are looked for, the others keep theirs.
+  std::vector<std::int32_t> moved;
+  std::vector<bool> isMoved;
+  bool allMoved = false;
   std::vector<std::array<std::int32_t, 2>> candidates;
+  std::vector<std::int32_t> near;
   std::vector<Pair> found;
 };
 

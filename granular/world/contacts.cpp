@@ -92,32 +92,29 @@ void listGathered(World& world) {
   std::merge(moving.begin(), moving.end(), disturbed.begin(), disturbed.end(), std::back_inserter(world.gathered));
 }
 
-/// Sums the contacts between bodies at rest, which a step does not look at.
+/// Sums the contacts between bodies at rest, which a step does not look at, on those whose forces it sums.
 void sumHeldForces(World& world) {
   if (world.sleep.fallen == 0) return;
   const Bodies& bodies = world.bodies;
   world.heldForce.assign(bodies.size(), Vec3::Zero());
   world.heldTorque.assign(bodies.size(), Vec3::Zero());
+  std::vector<bool> isDisturbed(bodies.size(), false);
+  for (const std::int32_t i : world.gathered) isDisturbed[at(i)] = bodies.state[at(i)] == BodyState::asleep;
   PairMemory& memory = world.pairs.memory;
   memory.held.resize(memory.size());
-  std::int32_t index = -1;
   for (const Pair& pair : world.pairs.pairs) {
-    ++index;
-    memory.visitHeld(pair, [&](Contact& contact) {
-      contact.pair = index;  // the list may have changed
-      if (bodies.moves(at(pair.a)) || bodies.moves(at(pair.b))) return;
+    if (!isDisturbed[at(pair.a)] && !isDisturbed[at(pair.b)]) continue;
+    if (bodies.moves(at(pair.a)) || bodies.moves(at(pair.b))) continue;
+    memory.visitHeld(pair, [&](const Contact& contact) {
       world.heldForce[at(pair.a)] += contact.force.force;
       world.heldTorque[at(pair.a)] += contact.torqueA;
       world.heldForce[at(pair.b)] -= contact.force.force;
       world.heldTorque[at(pair.b)] += contact.torqueB;
     });
   }
-  index = -1;
-  for (WallPair& pair : world.pairs.wallPairs) {
-    ++index;
-    if (bodies.moves(at(pair.body))) continue;
-    for (Contact& contact : pair.held) {
-      contact.pair = index;
+  for (const WallPair& pair : world.pairs.wallPairs) {
+    if (!isDisturbed[at(pair.body)]) continue;
+    for (const Contact& contact : pair.held) {
       world.heldForce[at(pair.body)] += contact.force.force;
       world.heldTorque[at(pair.body)] += contact.torqueA;
     }

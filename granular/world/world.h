@@ -160,11 +160,16 @@ struct World {
         if (!chunk.briefs[k].held) visit(describeBrief(chunk, k));
       }
     }
-    for (const Pair& pair : pairs.pairs) {
-      pairs.memory.visitHeld(pair, visit);
+    // The lists may have changed since these were held.
+    const auto visitNow = [&](Contact contact, std::size_t index) {
+      contact.pair = static_cast<std::int32_t>(index);
+      visit(contact);
+    };
+    for (std::size_t k = 0; k < pairs.pairs.size(); ++k) {
+      pairs.memory.visitHeld(pairs.pairs[k], [&](const Contact& contact) { visitNow(contact, k); });
     }
-    for (const WallPair& pair : pairs.wallPairs) {
-      for (const Contact& contact : pair.held) visit(contact);
+    for (std::size_t k = 0; k < pairs.wallPairs.size(); ++k) {
+      for (const Contact& contact : pairs.wallPairs[k].held) visitNow(contact, k);
     }
   }
   std::size_t contactCount() const;
