@@ -438,6 +438,7 @@ void describe(Archive& archive, World& world) {
   archive.visit("sleep_on", world.options.sleep.on);
   if (archive.loading()) {  // what there is of bodies placed before
     world.pairs = PairList{};
+    world.pairsOfBodies = {};
     world.chunks.clear();
     world.historiesFiled = true;
   }

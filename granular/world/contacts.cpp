@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <numeric>
 
 #include "granular/core/prefetch.h"
 #include "granular/narrow/bullet_manifold.h"
@@ -92,25 +93,54 @@ void listGathered(World& world) {
   std::merge(moving.begin(), moving.end(), disturbed.begin(), disturbed.end(), std::back_inserter(world.gathered));
 }
 
+const World::PairsOfBodies& listPairsOfBodies(World& world) {
+  World::PairsOfBodies& of = world.pairsOfBodies;
+  if (!of.begin.empty()) return of;
+  of.begin.assign(world.bodies.size() + 1, 0);
+  for (const Pair& pair : world.pairs.pairs) {
+    ++of.begin[at(pair.a) + 1];
+    ++of.begin[at(pair.b) + 1];
+  }
+  std::partial_sum(of.begin.begin(), of.begin.end(), of.begin.begin());
+  of.index.resize(2 * world.pairs.pairs.size());
+  std::vector<std::int32_t> next(of.begin.begin(), of.begin.end() - 1);
+  std::int32_t index = 0;
+  for (const Pair& pair : world.pairs.pairs) {
+    of.index[at(next[at(pair.a)]++)] = index;
+    of.index[at(next[at(pair.b)]++)] = index++;
+  }
+  return of;
+}
+/// Calls visit(index) for the pairs of a body, ascending.
+template <class Visitor>
+void visitPairsOf(World& world, std::int32_t body, const Visitor& visit) {
+  const World::PairsOfBodies& of = listPairsOfBodies(world);
+  for (std::int32_t k = of.begin[at(body)]; k < of.begin[at(body) + 1]; ++k) visit(of.index[at(k)]);
+}
+
 /// Sums the contacts between bodies at rest, which a step does not look at, on those whose forces it sums.
 void sumHeldForces(World& world) {
   if (world.sleep.fallen == 0) return;
   const Bodies& bodies = world.bodies;
-  world.heldForce.assign(bodies.size(), Vec3::Zero());
-  world.heldTorque.assign(bodies.size(), Vec3::Zero());
+  world.heldForce.resize(bodies.size());
+  world.heldTorque.resize(bodies.size());
   std::vector<bool> isDisturbed(bodies.size(), false);
-  for (const std::int32_t i : world.gathered) isDisturbed[at(i)] = bodies.state[at(i)] == BodyState::asleep;
   PairMemory& memory = world.pairs.memory;
   memory.held.resize(memory.size());
-  for (const Pair& pair : world.pairs.pairs) {
-    if (!isDisturbed[at(pair.a)] && !isDisturbed[at(pair.b)]) continue;
-    if (bodies.moves(at(pair.a)) || bodies.moves(at(pair.b))) continue;
-    memory.visitHeld(pair, [&](const Contact& contact) {
-      world.heldForce[at(pair.a)] += contact.force.force;
-      world.heldTorque[at(pair.a)] += contact.torqueA;
-      world.heldForce[at(pair.b)] -= contact.force.force;
-      world.heldTorque[at(pair.b)] += contact.torqueB;
+  for (const std::int32_t body : world.gathered) {
+    if (bodies.state[at(body)] != BodyState::asleep) continue;
+    isDisturbed[at(body)] = true;
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    visitPairsOf(world, body, [&](std::int32_t index) {
+      const Pair& pair = world.pairs.pairs[at(index)];
+      if (bodies.moves(at(pair.a)) || bodies.moves(at(pair.b))) return;
+      memory.visitHeld(pair, [&](const Contact& contact) {
+        force += pair.a == body ? contact.force.force : -contact.force.force;
+        torque += pair.a == body ? contact.torqueA : contact.torqueB;
+      });
     });
+    world.heldForce[at(body)] = force;
+    world.heldTorque[at(body)] = torque;
   }
   for (const WallPair& pair : world.pairs.wallPairs) {
     if (!isDisturbed[at(pair.body)]) continue;
@@ -372,6 +402,7 @@ void refreshPairs(double dt, World& world) {
   if (world.search.isDue(world.bodies, world.wallTravel)) {
     fileHistories(world);
     world.search.refreshPairs(world.bodies, dt, world.wallTravel, world.pairs);
+    world.pairsOfBodies = {};
     refreshWallPairs(world);
     world.layoutStale = true;
   }

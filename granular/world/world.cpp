@@ -123,6 +123,7 @@ void World::rearrange(const std::vector<std::int32_t>& order) {
     });
   }
   pairs.pairs.swap(left);
+  pairsOfBodies = {};
 
   std::vector<WallPair> leftAtWalls;
   for (WallPair& pair : pairs.wallPairs) {

@@ -115,6 +115,12 @@ struct World {
 
   /// The pairs a step looks at: those with a body that moves. Indices into the lists, in their order.
   std::vector<std::int32_t> activePairs, activeWallPairs;
+  /// Which pairs each body is part of, ascending: for sleepers alone. Empty until somebody asks, and from the moment on
+  /// at which the list changes.
+  struct PairsOfBodies {
+    std::vector<std::int32_t> begin;  ///< by slot, and the end: in `index`
+    std::vector<std::int32_t> index;  ///< in PairList::pairs
+  } pairsOfBodies;
   /// Bound on how far the two bodies of any pair moved towards each other since the contacts were laid out, m.
   double pairWay = 0;
   /// An active pair that isn't due needs no look while pairWay is below its number here, m: one number tells what
