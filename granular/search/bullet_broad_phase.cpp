@@ -3,6 +3,7 @@
 // Bullet's broad phase it is the tree alone: the cache of pairs beside it took three times as much memory.
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -28,26 +29,36 @@ class BulletBroadPhase final : public BroadPhase {
       if (leaves[k]->volume.Contain(scaled(box))) return;
     }
     btDbvtVolume loose = scaled(box.grown(looseness * (box.hi - box.lo).maxCoeff()));
-    if (known) return tree.update(leaves[k], loose);
-    assert(k == boxes.size());
-    boxes.push_back(box);
-    leaves.push_back(tree.insert(loose, reinterpret_cast<void*>(k)));
+    if (known) {
+      tree.update(leaves[k], loose);
+    } else {
+      assert(k == boxes.size());
+      boxes.push_back(box);
+      leaves.push_back(tree.insert(loose, reinterpret_cast<void*>(k)));
+      isChanged.push_back(false);
+    }
+    if (!isChanged[k]) changed.push_back(static_cast<std::int32_t>(k));
+    isChanged[k] = true;
   }
 
   void clear() override {
     tree.clear();
+    nearInTree.clear();
     boxes.clear();
     leaves.clear();
+    changed.clear();
+    isChanged.clear();
   }
 
   void collect(std::vector<std::array<std::int32_t, 2>>& out) override {
+    tree.optimizeIncremental(static_cast<int>(changed.size() / 64) + 1);
+    10 * changed.size() < leaves.size() ? findOfChanged() : findAll();
+    for (const std::int32_t k : changed) isChanged[static_cast<std::size_t>(k)] = false;
+    changed.clear();
     out.clear();
-    tree.optimizeIncremental(static_cast<int>(leaves.size() / 64) + 1);
-    Visitor visitor([&](std::size_t k, std::size_t l) {
-      if (k > l) std::swap(k, l);
-      if (boxes[k].overlaps(boxes[l])) out.push_back({static_cast<std::int32_t>(k), static_cast<std::int32_t>(l)});
-    });
-    tree.collideTT(tree.m_root, tree.m_root, visitor);
+    for (const auto& [k, l] : nearInTree) {
+      if (boxes[static_cast<std::size_t>(k)].overlaps(boxes[static_cast<std::size_t>(l)])) out.push_back({k, l});
+    }
   }
 
   void query(const Aabb& box, std::vector<std::int32_t>& out) const override {
@@ -59,6 +70,28 @@ class BulletBroadPhase final : public BroadPhase {
   }
 
  private:
+  /// What overlaps in the tree: walks through it once, or asks it for the leaves that changed since the last time.
+  void findAll() {
+    nearInTree.clear();
+    Visitor visitor([this](std::size_t k, std::size_t l) { addNear(k, l); });
+    tree.collideTT(tree.m_root, tree.m_root, visitor);
+  }
+  void findOfChanged() {
+    std::erase_if(nearInTree, [this](const std::array<std::int32_t, 2>& pair) {
+      return isChanged[static_cast<std::size_t>(pair[0])] || isChanged[static_cast<std::size_t>(pair[1])];
+    });
+    for (const std::int32_t of : changed) {
+      const auto k = static_cast<std::size_t>(of);
+      Visitor visitor([this, k](std::size_t l, std::size_t) {
+        if (l < k || (l > k && !isChanged[l])) addNear(k, l);  // of two that changed the later one tells
+      });
+      tree.collideTV(tree.m_root, leaves[k]->volume, visitor);
+    }
+  }
+  void addNear(std::size_t k, std::size_t l) {
+    nearInTree.push_back({static_cast<std::int32_t>(std::min(k, l)), static_cast<std::int32_t>(std::max(k, l))});
+  }
+
   static std::size_t indexOf(const btDbvtNode* leaf) { return reinterpret_cast<std::size_t>(leaf->data); }
   /// Calls visit(k, l) for what overlaps in the tree; of a query l is of no meaning.
   template <class Visit>
@@ -79,6 +112,9 @@ class BulletBroadPhase final : public BroadPhase {
   std::vector<Aabb> boxes;
   std::vector<btDbvtNode*> leaves;  // the tree's own
   btDbvt tree;
+  std::vector<std::int32_t> changed;  // leaves, since the last time that pairs were collected
+  std::vector<bool> isChanged;
+  std::vector<std::array<std::int32_t, 2>> nearInTree;
 };
 
 }  // namespace
