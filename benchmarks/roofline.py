@@ -34,7 +34,7 @@ def look(kind, function):
 
 SCENES = {
     "spheres": (["--scene", "spheres", "--count", "1000"],
-                {"finding": [(r"\(anonymous namespace\)::placeSpheres\(", 1)], "in and out": BOTH_WAYS, "law": LINEAR_LAW}),
+                {"finding": [(r"\(anonymous namespace\)::SphereLooks::place\(", 1)], "in and out": BOTH_WAYS, "law": LINEAR_LAW}),
     "ellipsoids": (["--scene", "ellipsoids", "--count", "500"],
                    {"finding": [(r"EllipsoidLooks::findRegister\(", 1),
                                 (r"NewtonAnswer<double __vector\(\d\)> granular::takeTwoSteps", 1)],

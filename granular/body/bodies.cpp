@@ -47,7 +47,7 @@ std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape) {
   locks.push_back(body.locks);
   turning.push_back(Turning::byScheme);
   someLocked = someLocked || body.locks != 0;
-  listStale = true;
+  noteChange();
   return size() - 1;
 }
 
@@ -55,7 +55,7 @@ void Bodies::turnAsBall(std::size_t i, bool keepsOrientation) {
   const Vec3& moments = inertia[i];
   if (!shape[i]->isRound() || moments.x() != moments.y() || moments.y() != moments.z()) return;
   turning[i] = keepsOrientation ? Turning::ballWithOrientation : Turning::ball;
-  listStale = true;
+  noteChange();
   if (keepsOrientation) return;
   q[i] = qHalf[i] = Quat::Identity();
   frame[i] = Frame(Pose{x[i], q[i]});
@@ -63,7 +63,7 @@ void Bodies::turnAsBall(std::size_t i, bool keepsOrientation) {
 
 void Bodies::hold(std::size_t i, BodyState as) {
   state[i] = as;
-  listStale = true;
+  noteChange();
   v[i] = w[i] = vHalf[i] = wHalf[i] = spinHalf[i] = acceleration[i] = alpha[i] = Vec3::Zero();
   qHalf[i] = q[i];
   // A sleeping body stays as light as it is: its neighbours must feel the same contact as before.
@@ -76,7 +76,7 @@ void Bodies::hold(std::size_t i, BodyState as) {
 
 void Bodies::release(std::size_t i) {
   state[i] = BodyState::moving;
-  listStale = true;
+  noteChange();
   inverseMass[i] = 1 / mass[i];
   inverseInertia[i] = inertia[i].cwiseInverse();
   radiusRatio[i] = shape[i]->massProperties().meanSquareRadius / inertia[i].mean();
@@ -89,7 +89,7 @@ void Bodies::rearrange(const std::vector<std::int32_t>& order) {
   lay(boundingRadius);
   lay(shape);
   lay(turning);
-  listStale = true;
+  noteChange();
 }
 
 std::vector<std::int32_t> Bodies::slotsById() const {
@@ -127,7 +127,7 @@ void Bodies::restoreDerived(const ShapeTable& shapes) {
     boundingRadius[i] = shape[i]->boundingRadius();
     someLocked = someLocked || locks[i] != 0;
   }
-  listStale = true;
+  noteChange();
 }
 
 }  // namespace granular

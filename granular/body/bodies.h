@@ -83,6 +83,9 @@ struct Bodies {
   const std::vector<std::int32_t>& ballSlots() const { return listMoving().balls; }
   const std::vector<std::int32_t>& orientedBallSlots() const { return listMoving().orientedBalls; }
 
+  /// Grows with everybody that comes or goes, or begins or ceases to move.
+  std::uint64_t changes() const { return changeCount; }
+
   bool isBall(std::size_t i) const { return turning[i] != Turning::byScheme; }
   /// Of slot i: a spin in the axes of wHalf, in world axes at t_n.
   Vec3 spinToWorld(std::size_t i, const Vec3& spin) const { return isBall(i) ? spin : frame[i].rotate(spin); }
@@ -147,8 +150,13 @@ struct Bodies {
     std::vector<std::int32_t> all, byScheme, balls, orientedBalls;
   };
   const MovingList& listMoving() const;
+  void noteChange() {
+    listStale = true;
+    ++changeCount;
+  }
   mutable MovingList listed;
   mutable bool listStale = true;
+  std::uint64_t changeCount = 0;
   bool someLocked = false;
 };
 

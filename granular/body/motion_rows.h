@@ -41,6 +41,8 @@ static_assert(sizeof(BallRow) == 4 * sizeof(double));  // a row of numbers
 struct MotionRows {
   std::vector<MotionRow> motion;
   std::vector<BallRow> balls;  ///< empty unless balls meet
+  /// Bodies::changes when they were last laid out; those of bodies that don't move hold until it grows.
+  std::uint64_t changes = ~std::uint64_t{0};
 
   void resize(std::size_t bodies, bool anyBalls) {
     motion.resize(bodies);

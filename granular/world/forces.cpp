@@ -274,12 +274,13 @@ void layOutMotion(World& world) {
   if (!chooseLanes(world.options)) return;
   const auto ofSpheres = [](const World::Chunk& chunk) { return chunk.due.ofSpheres; };
   world.motionRows.resize(world.bodies.size(), std::any_of(world.chunks.begin(), world.chunks.end(), ofSpheres));
+  world.motionRows.changes = world.bodies.changes();
   shareOutEvenly(world.met.size(), world.met.size() >= bodiesForThreads,
                  [&](std::size_t k) { world.motionRows.put(world.bodies, at(world.met[k])); });
 }
 
 MotionRows* rowsOfPredict(World& world) {
-  const bool laidOut = world.motionRows.motion.size() == world.bodies.size() && !world.layoutStale;
+  const bool laidOut = world.motionRows.changes == world.bodies.changes() && !world.layoutStale;
   const bool many = 2 * world.met.size() >= world.bodies.movingSlots().size();
   return laidOut && many && chooseLanes(world.options) ? &world.motionRows : nullptr;
 }
