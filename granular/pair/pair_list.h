@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "granular/core/pick.h"
+#include "granular/core/room.h"
 #include "granular/pair/child_pair.h"
 #include "granular/pair/contact.h"
 #include "granular/pair/history.h"
@@ -75,11 +76,8 @@ struct PairMemory {
   std::vector<std::int32_t> free;
 
   std::size_t size() const { return slots; }
-  /// Makes room for the histories of all slots, and some more: less than vectors take by themselves.
-  void makeHistories() {
-    if (slots > history.capacity()) history.reserve(slots + slots / 8);
-    history.resize(slots);
-  }
+  /// Makes room for the histories of all slots.
+  void makeHistories() { resizeClosely(history, slots); }
   std::int32_t take() {
     if (free.empty()) return static_cast<std::int32_t>(slots++);
     const std::int32_t slot = free.back();

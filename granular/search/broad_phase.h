@@ -23,6 +23,11 @@ class BroadPhase {
   virtual void collect(std::vector<std::array<std::int32_t, 2>>& out) = 0;
   /// All k whose boxes overlap this one, in the same way.
   virtual void query(const Aabb& box, std::vector<std::int32_t>& out) const = 0;
+  /// The bounds of all proxies as given, m.
+  const std::vector<Aabb>& bounds() const { return boxes; }
+
+ protected:
+  std::vector<Aabb> boxes;
 };
 
 /// Bullet's btDbvtBroadphase; lengths are divided by `unit` (m) first, because its margin of .05 is absolute.

@@ -25,9 +25,6 @@ class BruteForceBroadPhase final : public BroadPhase {
       if (boxes[k].overlaps(box)) out.push_back(static_cast<std::int32_t>(k));
     }
   }
-
- private:
-  std::vector<Aabb> boxes;
 };
 
 }  // namespace

@@ -109,7 +109,6 @@ class BulletBroadPhase final : public BroadPhase {
   }
 
   double scale;
-  std::vector<Aabb> boxes;
   std::vector<btDbvtNode*> leaves;  // the tree's own
   btDbvt tree;
   std::vector<std::int32_t> changed;  // leaves, since the last time that pairs were collected

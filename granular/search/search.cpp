@@ -4,6 +4,8 @@
 #include <cassert>
 #include <tuple>
 
+#include "granular/core/room.h"
+
 namespace granular {
 namespace {
 
@@ -46,7 +48,8 @@ void Search::makeBroadPhase(const Bodies& bodies) {
 void Search::packBoxes() {
   lowest.clear();
   highest.clear();
-  for (const Aabb& box : boxes) {
+  if (!broadPhase) return;  // nothing was searched for yet
+  for (const Aabb& box : broadPhase->bounds()) {
     lowest.push_back(box.lo);
     highest.push_back(box.hi);
   }
@@ -54,20 +57,18 @@ void Search::packBoxes() {
 
 void Search::restoreBoxes(const Bodies& bodies) {
   const std::size_t n = lowest.size();
-  boxes.resize(n);
   wraps.assign(n, Image{0, 0, 0});
   couldMove.assign(n, 0);  // whoever can is looked at by the next refresh
   makeBroadPhase(bodies);
   for (std::size_t i = 0; i < n; ++i) {
-    boxes[i].lo = lowest[i];
-    boxes[i].hi = highest[i];
+    const Aabb box{lowest[i], highest[i]};
     for (int k = 0; k < 3; ++k) {
       const double period = settings.periods.length[k];
       if (period <= 0) continue;
-      const double middle = 0.5 * (boxes[i].lo[k] + boxes[i].hi[k]);
+      const double middle = 0.5 * (box.lo[k] + box.hi[k]);
       wraps[i][static_cast<std::size_t>(k)] = static_cast<std::int32_t>(std::round((middle - bodies.x[i][k]) / period));
     }
-    broadPhase->place(i, boxes[i]);
+    broadPhase->place(i, box);
   }
 }
 
@@ -80,7 +81,6 @@ void Search::placeBounds(const Bodies& bodies, double dt, double wallTravel) {
     margins.clear();
   }
   const std::size_t known = margins.size();
-  boxes.resize(n);
   margins.resize(n);
   travelAtPlace.resize(n);
   couldMove.resize(n);
@@ -98,17 +98,17 @@ void Search::placeBounds(const Bodies& bodies, double dt, double wallTravel) {
     const double speed = bodies.vHalf[i].norm() + turning;
     margins[i] = settings.skin * bodies.shape[i]->size() + settings.lookAhead * dt * speed;
     travelAtPlace[i] = bodies.travel[i] + wallTravel;
-    boxes[i] = bodies.shape[i]->bounds(bodies.frame[i]).grown(margins[i]);
+    Aabb box = bodies.shape[i]->bounds(bodies.frame[i]).grown(margins[i]);
     wraps[i] = Image{0, 0, 0};
     for (int k = 0; k < 3; ++k) {
       const double period = settings.periods.length[k];
       if (period <= 0) continue;
       const double wrap = -std::floor((bodies.x[i][k] - settings.periods.origin[k]) / period);
       wraps[i][static_cast<std::size_t>(k)] = static_cast<std::int32_t>(wrap);
-      boxes[i].lo[k] += wrap * period;
-      boxes[i].hi[k] += wrap * period;
+      box.lo[k] += wrap * period;
+      box.hi[k] += wrap * period;
     }
-    broadPhase->place(i, boxes[i]);
+    broadPhase->place(i, box);
   }
   allMoved = static_cast<double>(moved.size()) >= fewMoved * static_cast<double>(n);
   isMoved.assign(n, allMoved);
@@ -124,7 +124,7 @@ void Search::findPairs(const Bodies& bodies) {
     for (const auto& [k, l] : candidates) addPair(bodies, k, l, same);
   } else {
     for (const std::int32_t i : moved) {
-      broadPhase->query(boxes[static_cast<std::size_t>(i)], near);
+      broadPhase->query(broadPhase->bounds()[static_cast<std::size_t>(i)], near);
       for (const std::int32_t j : near) {
         if (j != i) addPair(bodies, j, i, same);
       }
@@ -132,7 +132,7 @@ void Search::findPairs(const Bodies& bodies) {
   }
   if (settings.periods.any()) {
     largestBox = 0;
-    for (const Aabb& box : boxes) largestBox = std::max(largestBox, (box.hi - box.lo).maxCoeff());
+    for (const Aabb& box : broadPhase->bounds()) largestBox = std::max(largestBox, (box.hi - box.lo).maxCoeff());
     if (allMoved) {
       for (std::size_t i = 0; i < bodies.size(); ++i) findAtImages(bodies, i);
     } else {
@@ -153,7 +153,7 @@ void Search::findAtImages(const Bodies& bodies, std::size_t i) {
     if (n == 13) continue;
     const Image image{static_cast<std::int32_t>(n / 9 - 1), static_cast<std::int32_t>(n / 3 % 3 - 1),
                       static_cast<std::int32_t>(n % 3 - 1)};
-    Aabb box = boxes[i];
+    Aabb box = broadPhase->bounds()[i];
     bool isNear = true;
     for (int k = 0; k < 3 && isNear; ++k) {
       const int steps = image[static_cast<std::size_t>(k)];
@@ -189,7 +189,7 @@ void Search::addPair(const Bodies& bodies, std::int32_t a, std::int32_t b, const
 /// Pairs that were found take the place of all those in which somebody moved.
 void Search::mergePairs(const Bodies& bodies, PairList& list) {
   std::vector<Pair> merged;
-  merged.reserve(allMoved ? found.size() + found.size() / 8 : list.pairs.size() + found.size());
+  merged.reserve(allMoved ? found.size() : list.pairs.size() + found.size());
   // Both lists are in the order of their keys: one pass carries the memory over.
   std::size_t old = 0;
   const auto isPast = [&](const Pair& pair) {
@@ -212,10 +212,11 @@ void Search::mergePairs(const Bodies& bodies, PairList& list) {
     merged.push_back(pair);
   }
   while (old < list.pairs.size()) leaveOld();
+  trim(merged);
   list.pairs.swap(merged);
   if (allMoved) {  // as large as the list, and not needed until the next search
-    found = {};
-    candidates = {};
+    discard(found);
+    discard(candidates);
   }
 }
 

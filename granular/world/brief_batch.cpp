@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "granular/core/room.h"
 #include "granular/narrow/ball_touch.h"
 #include "granular/narrow/clump_pair.h"
 #include "granular/point/witness.h"
@@ -93,8 +94,8 @@ void BriefBatch::load() {
 
 void BriefBatch::store(World::Chunk& chunk) const {
   const std::size_t before = chunk.briefs.size();
-  chunk.briefs.resize(before + count());
-  chunk.pulls.resize(before + count());
+  resizeClosely(chunk.briefs, before + count());
+  resizeClosely(chunk.pulls, before + count());
   for (std::size_t k = 0; k < count(); k += wideSize) {
     const std::size_t some = std::min(wideSize, count() - k);
     std::array<ContactPull*, wideSize> pulls;

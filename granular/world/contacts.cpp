@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "granular/core/prefetch.h"
+#include "granular/core/room.h"
 #include "granular/narrow/bullet_manifold.h"
 #include "granular/point/patch_lanes.h"
 #include "granular/point/witness.h"
@@ -65,6 +66,8 @@ void listActivePairs(World& world) {
     if (bodies.moves(at(pair.body))) world.activeWallPairs.push_back(index);
     ++index;
   }
+  trim(world.activePairs);
+  trim(world.activeWallPairs);
 }
 
 /// Which bodies are part of active pairs.
@@ -231,6 +234,10 @@ void layOutChunk(std::size_t c, World& world) {
     include(pair.b);
   }
   if (!atWalls) makeDue(world, c);
+  trim(chunk.contacts);
+  trim(chunk.briefs);
+  trim(chunk.touches);
+  trim(chunk.pulls);
 }
 
 }  // namespace
@@ -412,8 +419,8 @@ void refreshPairs(double dt, World& world) {
 void layOutContacts(World& world) {
   fileHistories(world);
   PairMemory& memory = world.pairs.memory;
-  if (world.options.rule.rule == PointRule::manifold) memory.manifolds.resize(memory.size());
-  if (world.anyClump) memory.clumps.resize(memory.size());
+  if (world.options.rule.rule == PointRule::manifold) resizeClosely(memory.manifolds, memory.size());
+  if (world.anyClump) resizeClosely(memory.clumps, memory.size());
   listActivePairs(world);
   listMet(world);
   listGathered(world);
@@ -423,7 +430,7 @@ void layOutContacts(World& world) {
   world.pairWay = 0;
   world.quietWay.assign(world.wallChunkBegin * World::chunkSize, infinity);
   for (std::size_t c = 0; c < world.chunks.size(); ++c) layOutChunk(c, world);
-  if (readsCaches(world)) memory.cache.resize(memory.size());
+  if (readsCaches(world)) resizeClosely(memory.cache, memory.size());
   takeHistories(world);
   layOutMotion(world);
   world.layoutStale = false;

@@ -3,6 +3,7 @@
 // when it may no longer be. Of most of these a single number tells that they are: the way that the fastest bodies made.
 #include "granular/world/due_pairs.h"
 
+#include "granular/core/room.h"
 #include "granular/core/wide.h"
 
 namespace granular {
@@ -36,8 +37,7 @@ void dropQuiet(World& world, std::size_t first, World::Chunk::Due& due) {
   due.apart.reset();
   if (!due.ofSpheres) return;
   due.spheres.resize(kept);
-  // The first looks at a new bed take out most of its pairs.
-  if (due.spheres.capacity() > 2 * kept + wideSize) due.spheres.shrink_to_fit();
+  trim(due.spheres);  // the first looks at a new bed take out most of its pairs
 }
 
 void insert(const World& world, std::size_t first, std::size_t place, World::Chunk::Due& due) {
@@ -47,6 +47,7 @@ void insert(const World& world, std::size_t first, std::size_t place, World::Chu
   *at = static_cast<std::uint16_t>(place);
   if (!due.ofSpheres) return;
   const Pair& pair = activePair(world, first + place);
+  reserveClosely(due.spheres, due.count);
   due.spheres.insert(due.spheres.begin() + (at - due.place.begin()), SpherePair{ContactHistory{}, pair.a, pair.b});
 }
 
@@ -80,9 +81,9 @@ void makeDue(World& world, std::size_t c) {
   for (std::size_t position = range.first; position < range.last; ++position) {
     if (!goesQuiet(world, position, due)) due.place[due.count++] = static_cast<std::uint16_t>(position - range.first);
   }
-  due.spheres = {};
+  discard(due.spheres);
   if (!due.ofSpheres) return;
-  due.spheres.reserve(due.count + due.count / 8);
+  due.spheres.reserve(due.count);
   for (std::size_t k = 0; k < due.count; ++k) {
     const Pair& pair = activePair(world, range.first + due.place[k]);
     due.spheres.push_back({ContactHistory{}, pair.a, pair.b});

@@ -5,6 +5,7 @@
 //
 // Every number is made by the operations of that kernel, placeContact and the law in their order: the answers are the
 // same bits, which Ellipsoids.InBatchesHaveTheSameBitsAsOneByOne holds this file to.
+#include "granular/core/room.h"
 #include "granular/core/tolerances.h"
 #include "granular/narrow/ellipsoid_pair.h"
 #include "granular/shape/curvature.h"
@@ -206,7 +207,7 @@ class EllipsoidLooks {
 
   void keepTouches() {
     const std::size_t before = chunk.touches.size(), count = batch.count();
-    chunk.touches.resize(before + count);
+    resizeClosely(chunk.touches, before + count);
     for (std::size_t k = 0; k < count; k += wideSize) {
       const std::size_t some = std::min(wideSize, count - k);
       std::array<double*, wideSize> rows;

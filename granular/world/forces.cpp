@@ -3,6 +3,7 @@
 
 #include "granular/body/lanes.h"
 #include "granular/core/prefetch.h"
+#include "granular/core/room.h"
 #include "granular/core/share_out.h"
 #include "granular/world/contact_radius.h"
 #include "granular/world/law_batch.h"
@@ -123,7 +124,7 @@ LawInLanes chooseLanes(const WorldOptions& options) {
 void applyLawInLanes(double dt, LawInLanes law, World::Chunk& chunk, World& world) {
   thread_local LawBatch batch;
   batch.begin(dt, law, world);
-  chunk.pulls.resize(chunk.contacts.size());
+  resizeClosely(chunk.pulls, chunk.contacts.size());
   std::size_t firstOfPair = 0;
   for (std::size_t k = 0; k < chunk.contacts.size(); ++k) {
     batch.add(chunk.contacts[k], findHistory(world, chunk, k, firstOfPair), chunk.pulls[k]);

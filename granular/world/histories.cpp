@@ -2,6 +2,7 @@
 // the pairs that are due, in their order, and nowhere else.
 #include <algorithm>
 
+#include "granular/core/room.h"
 #include "granular/world/stages.h"
 
 namespace granular {
@@ -43,7 +44,7 @@ void takeHistories(World& world) {
   const auto end = world.chunks.begin() + static_cast<std::ptrdiff_t>(world.wallChunkBegin);
   const auto ofSpheres = [](const World::Chunk& chunk) { return chunk.due.ofSpheres; };
   if (world.activePairs.size() == world.pairs.pairs.size() && std::all_of(world.chunks.begin(), end, ofSpheres))
-    memory.history = {};
+    discard(memory.history);
 }
 
 const ContactHistory& World::historyOf(std::int32_t index) const {
