@@ -65,6 +65,7 @@ Timed timeSteps(const Settings& settings, World& world) {
     timed.searches += searched;
     (searched ? timed.allocationsOfSearches : timed.allocations) += allocationCount() - before;
   }
+  land(world);
   timed.seconds = readClock(settings) - began;
   timed.report = world.report;
   timed.contactSteps = static_cast<double>(world.report.contactSteps);
@@ -144,7 +145,7 @@ void run(Settings& settings) {
   const auto skips = [&](const char* name) {
     return std::ranges::count(settings.skip, "all") + std::ranges::count(settings.skip, name) > 0;
   };
-  options.skips = {skips("broad_phase"), skips("gjk"), skips("epa"), skips("orientation")};
+  options.skips = {skips("broad_phase"), skips("gjk"), skips("epa"), skips("orientation"), skips("flight")};
   options.keepSlots = !skips("scatter");
   if (!settings.poses.empty()) settings.bed.scene = "cubes";
   const std::size_t before = heapBytes();
@@ -178,9 +179,10 @@ int parseAndRun(int argc, char** argv) {
   app.add_option("--seed", settings.bed.seed, "of the bed");
   app.add_option("--rule", settings.rule, "contact-point rule");
   app.add_option("--law", settings.law, "linear, linear_local or tensor");
-  app.add_option("--skip", settings.skip, "what to skip: all, none, or names (broad_phase,gjk,epa,orientation,scatter)")
+  app.add_option("--skip", settings.skip,
+                 "what to skip: all, none, or names (broad_phase,gjk,epa,orientation,flight,scatter)")
       ->delimiter(',')
-      ->check(CLI::IsMember({"all", "none", "broad_phase", "gjk", "epa", "orientation", "scatter"}));
+      ->check(CLI::IsMember({"all", "none", "broad_phase", "gjk", "epa", "orientation", "flight", "scatter"}));
   app.add_flag("--shuffled", settings.bed.shuffled, "dense beds: bodies in an order at random, as they were poured");
   app.add_flag("--no-batches", settings.bed.options.noBatches, "work on every body, pair and contact one by one");
   app.add_option("--threads", settings.threads, "OpenMP threads")->check(CLI::PositiveNumber);

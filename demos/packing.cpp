@@ -100,7 +100,8 @@ int parseAndRun(int argc, char** argv) {
   app.add_option("--set", options.overrides,
                  "key.path=value, over the scene file (\"key.path=\" takes the key out); may be repeated")
       ->allow_extra_args(false);
-  app.add_option("--skip", skips, "what to skip: all, none, or names (broad_phase,gjk,epa,orientation,scatter,sleep)")
+  app.add_option("--skip", skips,
+                 "what to skip: all, none, or names (broad_phase,gjk,epa,orientation,flight,scatter,sleep)")
       ->delimiter(',');
   app.add_flag("--dry-run", options.dryRun, "check the scene and say what would be done");
   app.add_flag("--help-scene", options.reference, "print every key of a scene file and exit");

@@ -13,6 +13,7 @@ void Bodies::reserve(std::size_t count) {
   boundingRadius.reserve(count);
   shape.reserve(count);
   turning.reserve(count);
+  aloft.reserve(count);
 }
 
 std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape) {
@@ -46,6 +47,7 @@ std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape) {
   state.push_back(BodyState::moving);
   locks.push_back(body.locks);
   turning.push_back(Turning::byScheme);
+  aloft.push_back(0);
   someLocked = someLocked || body.locks != 0;
   noteChange();
   return size() - 1;
@@ -89,7 +91,18 @@ void Bodies::rearrange(const std::vector<std::int32_t>& order) {
   lay(boundingRadius);
   lay(shape);
   lay(turning);
+  lay(aloft);
   noteChange();
+}
+
+void Bodies::takeOff(const std::vector<std::int32_t>& slots) {
+  for (const std::int32_t slot : slots) aloft[static_cast<std::size_t>(slot)] = 1;
+  listStale = true;
+}
+
+void Bodies::land() {
+  for (const std::int32_t slot : listMoving().flying.all) aloft[static_cast<std::size_t>(slot)] = 0;
+  listStale = true;
 }
 
 std::vector<std::int32_t> Bodies::slotsById() const {
@@ -103,13 +116,16 @@ std::vector<std::int32_t> Bodies::slotsById() const {
 
 const Bodies::MovingList& Bodies::listMoving() const {
   if (!listStale) return listed;
-  for (auto* slots : {&listed.all, &listed.byScheme, &listed.balls, &listed.orientedBalls}) slots->clear();
+  for (MovingSlots* slots : {&listed.stepped, &listed.flying}) {
+    for (auto* some : {&slots->all, &slots->byScheme, &slots->balls, &slots->orientedBalls}) some->clear();
+  }
   for (std::size_t i = 0; i < size(); ++i) {
     if (!moves(i)) continue;
     const auto slot = static_cast<std::int32_t>(i);
-    listed.all.push_back(slot);
-    (isBall(i) ? listed.balls : listed.byScheme).push_back(slot);
-    if (turning[i] == Turning::ballWithOrientation) listed.orientedBalls.push_back(slot);
+    MovingSlots& slots = aloft[i] != 0 ? listed.flying : listed.stepped;
+    slots.all.push_back(slot);
+    (isBall(i) ? slots.balls : slots.byScheme).push_back(slot);
+    if (turning[i] == Turning::ballWithOrientation) slots.orientedBalls.push_back(slot);
   }
   listStale = false;
   return listed;
@@ -121,6 +137,7 @@ void Bodies::restoreDerived(const ShapeTable& shapes) {
   boundingRadius.resize(n);
   shape.resize(n);
   turning.assign(n, Turning::byScheme);
+  aloft.assign(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     shape[i] = shapes[static_cast<std::size_t>(shapeIndex[i])].get();
     frame[i] = Frame(Pose{x[i], q[i]});

@@ -70,18 +70,27 @@ struct Bodies {
   /// Balls look the same from all sides and turn as easily about any axis: their spins need no orientation.
   enum class Turning : std::uint8_t { byScheme, ballWithOrientation, ball };
   std::vector<Turning> turning;  ///< of a ball without orientation q stays 1
+  /// Bodies that move, but not step by step (world/flight.cpp): 1. Nobody is aloft where state is saved.
+  std::vector<std::uint8_t> aloft;
 
   std::size_t size() const { return x.size(); }
   bool moves(std::size_t i) const { return state[i] == BodyState::moving; }
   /// True if any body ever had a lock.
   bool anyLocked() const { return someLocked; }
-  /// Slots of the bodies that move, ascending: the stages of motion cost nothing for the others. Listed anew by the
-  /// first call after bodies came, went, or changed their state, which must not come from several threads at once.
-  const std::vector<std::int32_t>& movingSlots() const { return listMoving().all; }
-  /// Of those the ones that turn by a scheme, the balls, and the balls whose orientation is followed.
-  const std::vector<std::int32_t>& schemeSlots() const { return listMoving().byScheme; }
-  const std::vector<std::int32_t>& ballSlots() const { return listMoving().balls; }
-  const std::vector<std::int32_t>& orientedBallSlots() const { return listMoving().orientedBalls; }
+  /// Slots of bodies that move, ascending: all, those that turn by a scheme, the balls, and of these the ones whose
+  /// orientation is followed.
+  struct MovingSlots {
+    std::vector<std::int32_t> all, byScheme, balls, orientedBalls;
+  };
+  /// Of the bodies that move step by step: the stages of motion cost nothing for the others. Listed anew by the first
+  /// call after bodies came, went, or changed their state, which must not come from several threads at once.
+  const MovingSlots& stepped() const { return listMoving().stepped; }
+  const std::vector<std::int32_t>& movingSlots() const { return stepped().all; }
+  /// Of those that are aloft.
+  const MovingSlots& flying() const { return listMoving().flying; }
+  /// From now on these are aloft; and nobody any more.
+  void takeOff(const std::vector<std::int32_t>& slots);
+  void land();
 
   /// Grows with everybody that comes or goes, or begins or ceases to move.
   std::uint64_t changes() const { return changeCount; }
@@ -147,7 +156,7 @@ struct Bodies {
 
  private:
   struct MovingList {
-    std::vector<std::int32_t> all, byScheme, balls, orientedBalls;
+    MovingSlots stepped, flying;
   };
   const MovingList& listMoving() const;
   void noteChange() {

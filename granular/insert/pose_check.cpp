@@ -71,9 +71,7 @@ std::vector<PoseOverlap> findOverlaps(std::span<const PlacedShape> particles, st
                                       const Periods& periods, double allowed) {
   std::vector<PoseOverlap> deep;
   if (particles.empty()) return deep;
-  double smallest = infinity;
-  for (const PlacedShape& each : particles) smallest = std::min(smallest, each.shape->size());
-  const auto broadPhase = makeBulletBroadPhase(smallest);
+  const auto broadPhase = makeBulletBroadPhase();
   const std::vector<Proxy> proxies = placeProxies(particles, periods, *broadPhase);
   std::vector<std::array<std::int32_t, 2>> candidates;
   broadPhase->collect(candidates);

@@ -262,6 +262,7 @@ struct Scene {
 };
 
 /// What a scene can skip, as `skip` and --skip name it.
-inline constexpr std::string_view skipNames[] = {"broad_phase", "gjk", "epa", "orientation", "scatter", "sleep"};
+inline constexpr std::string_view skipNames[] = {"broad_phase", "gjk",     "epa",  "orientation",
+                                                 "flight",      "scatter", "sleep"};
 
 }  // namespace granular

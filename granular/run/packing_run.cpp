@@ -221,6 +221,7 @@ void PackingRun::addParticle(const NewParticle& particle) {
 
 void PackingRun::insertDue() {
   if (pour->isDone() || !pour->isDue(state->time, counters.consolidated)) return;
+  land(*state);
   // A batch that found no room for its last particles goes on while the first are still falling: those stay free.
   if (settings.settle.kind == SettleSettings::Kind::freeze && counters.consolidated) freezeConsolidated();
   std::vector<PlacedShape> present;
@@ -333,6 +334,7 @@ RunEnd PackingRun::run(const std::filesystem::path& out, const volatile std::sig
     step(*state, dt);
     const std::int64_t lookEvery = observationSteps(dt);
     const bool looks = state->steps % lookEvery == 0;
+    if (looks || inTrouble()) land(*state);
     if (looks && !inTrouble()) observe(static_cast<double>(lookEvery) * dt);
     if (inTrouble()) {
       if (!answerTrouble()) return finish(RunEnd::trouble);

@@ -51,6 +51,8 @@ MaterialTable makeMaterials(const Scene& scene) {
   return table;
 }
 
+bool sleeps(const Scene& scene) { return scene.settle.kind == SettleSettings::Kind::sleep && skips(scene, "sleep"); }
+
 WorldOptions makeOptions(const Scene& scene) {
   WorldOptions options;
   options.gravity = scene.gravity;
@@ -64,8 +66,9 @@ WorldOptions makeOptions(const Scene& scene) {
   options.skips.separation = skips(scene, "gjk");
   options.skips.feature = skips(scene, "epa");
   options.skips.orientation = skips(scene, "orientation");
+  options.skips.flight = skips(scene, "flight");
   options.keepSlots = !skips(scene, "scatter");
-  options.sleep.on = scene.settle.kind == SettleSettings::Kind::sleep && skips(scene, "sleep");
+  options.sleep.on = sleeps(scene);
   require(!options.sleep.on || options.rule.rule != PointRule::manifold,
           scene.file.string() +
               ": settle.kind = \"sleep\" does not go with model.point_rule = \"manifold\", which keeps several "
@@ -200,6 +203,19 @@ Vessel makeVessel(const Scene& scene) {
   return vessel;
 }
 
+namespace {
+
+/// What bodies that meet nobody do where skips ask for flight (world/flight.cpp).
+const char* describeFlight(const Scene& scene) {
+  const auto moves = [](const WallSettings& wall) { return pathOf(wall).moves() || wall.force != 0; };
+  if (sleeps(scene)) return "not with sleep, which counts every step";
+  if (scene.output.energy) return "not with an energy ledger, which counts every step";
+  if (std::any_of(scene.walls.begin(), scene.walls.end(), moves)) return "not where walls move";
+  return "of bodies that meet nobody for 16 steps and more";
+}
+
+}  // namespace
+
 std::string describeSkips(const Scene& scene) {
   std::vector<std::string> parts;
   const auto say = [&](std::string_view name, const char* reason) {
@@ -209,9 +225,10 @@ std::string describeSkips(const Scene& scene) {
   say("gjk", "while a proven gap is not used up");
   say("epa", "while the last feature is verified to be the answer");
   say("orientation", "of balls, which spin but keep q = 1");
+  say("flight", describeFlight(scene));
   say("scatter", "of neighbours in memory, in beds beyond the caches");
   parts.push_back(scene.settle.kind != SettleSettings::Kind::sleep ? "sleep: not asked for"
-                  : skips(scene, "sleep")                          ? "sleep: bodies at rest, until their force changes"
+                  : sleeps(scene)                                  ? "sleep: bodies at rest, until their force changes"
                                                                    : "sleep: off");
   return fmt::format("skips: {}", fmt::join(parts, "; "));
 }

@@ -441,6 +441,7 @@ void describe(Archive& archive, World& world) {
     world.pairsOfBodies = {};
     world.chunks.clear();
     world.historiesFiled = true;
+    world.aloft = {};
   }
   archive.inGroup("bodies", [&] {
     world.bodies.visitState(

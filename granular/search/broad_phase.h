@@ -30,8 +30,8 @@ class BroadPhase {
   std::vector<Aabb> boxes;
 };
 
-/// Bullet's btDbvtBroadphase; lengths are divided by `unit` (m) first, because its margin of .05 is absolute.
-std::unique_ptr<BroadPhase> makeBulletBroadPhase(double unit);
+/// In Bullet's btDbvt.
+std::unique_ptr<BroadPhase> makeBulletBroadPhase();
 std::unique_ptr<BroadPhase> makeBruteForceBroadPhase();
 
 }  // namespace granular

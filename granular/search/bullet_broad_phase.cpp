@@ -1,4 +1,4 @@
-// Bullet's bounding-volume tree in scaled units. It holds boxes a little larger than those asked for, so that few
+// Bullet's bounding-volume tree. It holds boxes a little larger than those asked for, so that few
 // leaves move; what overlaps in it depends on its history, and the exact test here makes the answer reproducible. Of
 // Bullet's broad phase it is the tree alone: the cache of pairs beside it took three times as much memory.
 #include <BulletCollision/BroadphaseCollision/btDbvt.h>
@@ -15,20 +15,18 @@ namespace {
 static_assert(sizeof(btScalar) == 8, "Bullet must be the double-precision build");
 
 /// By which the tree's boxes are grown, over their length: a box that moves within costs nothing. Bullet's own margin
-/// does not serve, because it is the same for large and small bodies.
+/// does not serve, because it is .05 for large and small bodies, in metres or millimetres.
 constexpr double looseness = 0.02;
 
 class BulletBroadPhase final : public BroadPhase {
  public:
-  explicit BulletBroadPhase(double unitLength) : scale(1 / unitLength) {}
-
   void place(std::size_t k, const Aabb& box) override {
     const bool known = k < boxes.size();
     if (known) {
       boxes[k] = box;
-      if (leaves[k]->volume.Contain(scaled(box))) return;
+      if (leaves[k]->volume.Contain(volumeOf(box))) return;
     }
-    btDbvtVolume loose = scaled(box.grown(looseness * (box.hi - box.lo).maxCoeff()));
+    btDbvtVolume loose = volumeOf(box.grown(looseness * (box.hi - box.lo).maxCoeff()));
     if (known) {
       tree.update(leaves[k], loose);
     } else {
@@ -66,7 +64,7 @@ class BulletBroadPhase final : public BroadPhase {
     Visitor visitor([&](std::size_t k, std::size_t) {
       if (boxes[k].overlaps(box)) out.push_back(static_cast<std::int32_t>(k));
     });
-    tree.collideTV(tree.m_root, scaled(box), visitor);
+    tree.collideTV(tree.m_root, volumeOf(box), visitor);
   }
 
  private:
@@ -102,13 +100,11 @@ class BulletBroadPhase final : public BroadPhase {
     Visit visit;
   };
 
-  /// Scaling keeps the order of numbers: boxes that overlap still do.
-  btDbvtVolume scaled(const Aabb& box) const {
-    const auto point = [this](const Vec3& p) { return btVector3(p.x() * scale, p.y() * scale, p.z() * scale); };
+  static btDbvtVolume volumeOf(const Aabb& box) {
+    const auto point = [](const Vec3& p) { return btVector3(p.x(), p.y(), p.z()); };
     return btDbvtVolume::FromMM(point(box.lo), point(box.hi));
   }
 
-  double scale;
   std::vector<btDbvtNode*> leaves;  // the tree's own
   btDbvt tree;
   std::vector<std::int32_t> changed;  // leaves, since the last time that pairs were collected
@@ -118,6 +114,6 @@ class BulletBroadPhase final : public BroadPhase {
 
 }  // namespace
 
-std::unique_ptr<BroadPhase> makeBulletBroadPhase(double unit) { return std::make_unique<BulletBroadPhase>(unit); }
+std::unique_ptr<BroadPhase> makeBulletBroadPhase() { return std::make_unique<BulletBroadPhase>(); }
 
 }  // namespace granular

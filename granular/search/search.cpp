@@ -38,11 +38,8 @@ void Search::refreshPairs(const Bodies& bodies, double dt, double wallTravel, Pa
   mergePairs(bodies, list);
 }
 
-void Search::makeBroadPhase(const Bodies& bodies) {
-  double size = 0;
-  for (const Shape* shape : bodies.shape) size = std::max(size, shape->size());
-  // A large body measures a hundred units, so that the tree's absolute margin is small beside it.
-  broadPhase = settings.bruteForce ? makeBruteForceBroadPhase() : makeBulletBroadPhase(size > 0 ? size / 100 : 1);
+void Search::makeBroadPhase() {
+  broadPhase = settings.bruteForce ? makeBruteForceBroadPhase() : makeBulletBroadPhase();
 }
 
 void Search::packBoxes() {
@@ -56,10 +53,10 @@ void Search::packBoxes() {
 }
 
 void Search::restoreBoxes(const Bodies& bodies) {
-  const std::size_t n = lowest.size();
+  const std::size_t n = margins.size();  // none if the next search begins anew: then boxes are of bodies of before
   wraps.assign(n, Image{0, 0, 0});
   couldMove.assign(n, 0);  // whoever can is looked at by the next refresh
-  makeBroadPhase(bodies);
+  makeBroadPhase();
   for (std::size_t i = 0; i < n; ++i) {
     const Aabb box{lowest[i], highest[i]};
     for (int k = 0; k < 3; ++k) {
@@ -77,7 +74,7 @@ void Search::placeBounds(const Bodies& bodies, double dt, double wallTravel) {
   // Starting over: bodies were removed.
   const bool anew = !broadPhase || margins.size() > n || margins.empty();
   if (anew) {
-    makeBroadPhase(bodies);
+    makeBroadPhase();
     margins.clear();
   }
   const std::size_t known = margins.size();

@@ -42,8 +42,11 @@ class Search {
   /// of two bodies that cannot move are left out.
   void refreshPairs(const Bodies& bodies, double dt, double wallTravel, PairList& list);
 
-  /// The margin by which body i's bounds are grown, m.
+  /// The margin by which body i's bounds are grown, m; and what is left of it.
   double margin(std::size_t i) const { return margins[i]; }
+  double marginLeft(const Bodies& bodies, std::size_t i, double wallTravel) const {
+    return margins[i] - (bodies.travel[i] + wallTravel - travelAtPlace[i]);
+  }
 
   /// Forgets the bounds: to be called when bodies were removed, reordered or moved by hand.
   void invalidate() { margins.clear(); }
@@ -63,7 +66,7 @@ class Search {
   std::uint64_t refreshes = 0;
 
  private:
-  void makeBroadPhase(const Bodies& bodies);
+  void makeBroadPhase();
   void placeBounds(const Bodies& bodies, double dt, double wallTravel);
   void findPairs(const Bodies& bodies);
   void findAtImages(const Bodies& bodies, std::size_t i);

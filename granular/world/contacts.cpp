@@ -84,18 +84,6 @@ void listMet(World& world) {
   }
 }
 
-/// Those whose forces a step sums: the moving, and sleepers near them. Other sleepers keep their force, and a frozen
-/// body needs none.
-void listGathered(World& world) {
-  const Bodies& bodies = world.bodies;
-  const auto isDisturbed = [&](std::int32_t slot) { return bodies.state[at(slot)] == BodyState::asleep; };
-  std::vector<std::int32_t> disturbed;
-  std::copy_if(world.met.begin(), world.met.end(), std::back_inserter(disturbed), isDisturbed);
-  const std::vector<std::int32_t>& moving = bodies.movingSlots();
-  world.gathered.clear();
-  std::merge(moving.begin(), moving.end(), disturbed.begin(), disturbed.end(), std::back_inserter(world.gathered));
-}
-
 const World::PairsOfBodies& listPairsOfBodies(World& world) {
   World::PairsOfBodies& of = world.pairsOfBodies;
   if (!of.begin.empty()) return of;
@@ -241,6 +229,18 @@ void layOutChunk(std::size_t c, World& world) {
 }
 
 }  // namespace
+
+// The moving, and sleepers near them. Other sleepers keep their force, a frozen body needs none, and what flies has its
+// weight.
+void listGathered(World& world) {
+  const Bodies& bodies = world.bodies;
+  const auto isDisturbed = [&](std::int32_t slot) { return bodies.state[at(slot)] == BodyState::asleep; };
+  std::vector<std::int32_t> disturbed;
+  std::copy_if(world.met.begin(), world.met.end(), std::back_inserter(disturbed), isDisturbed);
+  const std::vector<std::int32_t>& moving = bodies.movingSlots();
+  world.gathered.clear();
+  std::merge(moving.begin(), moving.end(), disturbed.begin(), disturbed.end(), std::back_inserter(world.gathered));
+}
 
 World::Chunk& startChunk(World& world, std::size_t c) {
   World::Chunk& chunk = world.chunks[c];
@@ -407,11 +407,13 @@ void addWallContacts(const WallPair& pair, std::int32_t index, double size, Worl
 
 void refreshPairs(double dt, World& world) {
   if (world.search.isDue(world.bodies, world.wallTravel)) {
+    landPredicted(world);
     fileHistories(world);
     world.search.refreshPairs(world.bodies, dt, world.wallTravel, world.pairs);
     world.pairsOfBodies = {};
     refreshWallPairs(world);
     world.layoutStale = true;
+    world.aloft.notBefore = world.steps + 2;  // in the next step bodies may change places (order.cpp)
   }
   if (world.layoutStale) layOutContacts(world);
 }

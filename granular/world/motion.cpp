@@ -1,7 +1,5 @@
 // Stages of a step that move bodies and walls, and the start of the half steps.
-#include "granular/body/lanes.h"
-#include "granular/integrate/seelen.h"
-#include "granular/integrate/spiral.h"
+#include "granular/world/by_scheme.h"
 #include "granular/world/stages.h"
 
 namespace granular {
@@ -44,9 +42,7 @@ typename Place::Real predictBodies(double dt, const Scheme& scheme, const Place&
   Triple<Real> x = place.read(bodies.x), v;
   predictTranslation(dt, vHalf, place.read(bodies.acceleration), x, v);
   const Turn<Real> next = scheme.predictRotation(dt, half);
-  // No surface point moves further than the centre does plus the turn of the outermost point.
-  const Real fastest = squareRoot(larger(half.w.dot(half.w), next.w.dot(next.w)));
-  const Real way = dt * (vHalf.norm() + place.read(bodies.boundingRadius) * fastest);
+  const Real way = wayOfSurface(dt, vHalf, place.read(bodies.boundingRadius), half.w, next.w);
   place.write(place.read(bodies.travel) + way, bodies.travel);
   const Triple<Real> spinHalf = half.q.rotate(half.w);
   place.write(spinHalf, bodies.spinHalf);
@@ -86,17 +82,6 @@ typename Place::Real predictBalls(double dt, const Place& place, Bodies& bodies,
   return way;
 }
 
-/// How balls lie at t_{n+1}, for those who ask.
-template <class Place>
-void turnBalls(double dt, const Place& place, Bodies& bodies) {
-  using Real = typename Place::Real;
-  Quadruple<Real> q = rotateByStep(dt * place.read(bodies.wHalf)) * place.read(bodies.q);
-  keepUnit(q);
-  place.write(q, bodies.q);
-  place.write(q, bodies.qHalf);
-  place.write(q, place.read(bodies.x), bodies.frame);
-}
-
 /// Memory of the next half step of the bodies in a place.
 template <class Scheme, class Place>
 void advanceBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies) {
@@ -127,53 +112,6 @@ void advanceBalls(double dt, const Place& place, Bodies& bodies) {
   place.write(vHalf, bodies.vHalf);
   place.write(wHalf, bodies.wHalf);
   place.write(alpha, bodies.alpha);
-}
-
-/// A row of the table as a scheme, for one body at a time.
-struct SchemeOfRow {
-  const RotationScheme& row;
-
-  Turn<double> predictRotation(double dt, const HalfTurn<double>& half) const {
-    Quat q;
-    Vec3 w;
-    row.predict(dt, toQuat(half.q), toVec3(half.w), toVec3(half.alpha), q, w);
-    return {toQuadruple(q), toTriple(w)};
-  }
-  void advanceRotation(double dt, const Moments<double>& moments, const Triple<double>& torque, const Turn<double>& now,
-                       HalfTurn<double>& half) const {
-    Quat q = toQuat(half.q);
-    Vec3 w = toVec3(half.w), alpha = toVec3(half.alpha);
-    row.advance(dt, toVec3(moments.inertia), toVec3(moments.inverseInertia), toVec3(torque), toQuat(now.q),
-                toVec3(now.w), {q, w, alpha});
-    half = {toQuadruple(q), toTriple(w), toTriple(alpha)};
-  }
-};
-
-/// Calls visit(scheme, place) for the places of all moving bodies that turn by a scheme: whole registers of them, and
-/// those left over one by one; all one by one for a scheme of the user's own.
-template <class Visitor>
-void visitByScheme(const WorldOptions& options, const Bodies& bodies, const Visitor& visit) {
-  const std::vector<std::int32_t>& moving = bodies.schemeSlots();
-  const bool worthwhile = moving.size() >= bodiesForThreads;
-  const auto visitAll = [&](const auto& scheme) {
-    visitBodies(moving, options.noBatches, worthwhile, [&](const auto& place) { visit(scheme, place); });
-  };
-  switch (options.integrator) {
-    case SchemeKind::seelen:
-      return visitAll(Seelen{});
-    case SchemeKind::spiral:
-      return visitAll(Spiral{});
-    default:
-      const SchemeOfRow scheme{rotationScheme(options.integrator)};
-      shareOutEvenly(moving.size(), worthwhile,
-                     [&](std::size_t k) { visit(scheme, OneBody(static_cast<std::size_t>(moving[k]))); });
-  }
-}
-
-/// Calls visit(place) for the places of these balls.
-template <class Visitor>
-void visitBalls(const WorldOptions& options, const std::vector<std::int32_t>& balls, const Visitor& visit) {
-  visitBodies(balls, options.noBatches, balls.size() >= bodiesForThreads, visit);
 }
 
 /// The largest distance of any body's surface from the axis of a turning wall: further out no part of it is met.
@@ -253,12 +191,12 @@ void moveWalls(double dt, World& world) {
 
 double predict(double dt, const WorldOptions& options, Bodies& bodies, MotionRows* rows) {
   LargestWay largest;
-  visitByScheme(options, bodies, [&](const auto& scheme, const auto& place) {
+  const Bodies::MovingSlots& slots = bodies.stepped();
+  visitByScheme(options, slots.byScheme, [&](const auto& scheme, const auto& place) {
     largest.take(predictBodies(dt, scheme, place, bodies, rows));
   });
-  visitBalls(options, bodies.ballSlots(),
-             [&](const auto& place) { largest.take(predictBalls(dt, place, bodies, rows)); });
-  visitBalls(options, bodies.orientedBallSlots(), [&](const auto& place) { turnBalls(dt, place, bodies); });
+  visitBalls(options, slots.balls, [&](const auto& place) { largest.take(predictBalls(dt, place, bodies, rows)); });
+  visitBalls(options, slots.orientedBalls, [&](const auto& place) { turnBalls(dt, place, bodies); });
   return largest.get();
 }
 
@@ -267,9 +205,10 @@ void predict(double dt, World& world) {
 }
 
 void advance(double dt, const WorldOptions& options, Bodies& bodies) {
-  visitByScheme(options, bodies,
+  const Bodies::MovingSlots& slots = bodies.stepped();
+  visitByScheme(options, slots.byScheme,
                 [&](const auto& scheme, const auto& place) { advanceBodies(dt, scheme, place, bodies); });
-  visitBalls(options, bodies.ballSlots(), [&](const auto& place) { advanceBalls(dt, place, bodies); });
+  visitBalls(options, slots.balls, [&](const auto& place) { advanceBalls(dt, place, bodies); });
 }
 
 // With rotation locked about some world axes, Euler's equation holds along the others alone: the angular acceleration
@@ -334,6 +273,7 @@ void wakeAll(World& world) {
 
 void startHalfSteps(World& world, double dt, std::size_t first, bool withContacts) {
   Bodies& bodies = world.bodies;
+  land(world);
   if (withContacts) {
     refreshPairs(dt, world);
     layOutMotion(world);

@@ -49,6 +49,15 @@ void applyLocks(std::size_t first, Bodies& bodies);
 void rememberVelocities(World& world);
 /// Half-step velocities and orientations from the forces at t_{n+1}.
 void advance(double dt, const WorldOptions& options, Bodies& bodies);
+/// Lands all before the first of those aloft may meet somebody in this step.
+void landInTime(World& world);
+/// In the middle of a step, after predict: brings bodies aloft to where predict brought the others.
+void landPredicted(World& world);
+/// Which bodies meet nobody for a while, and are not moved before they do (flight.cpp). Nothing unless skips ask for
+/// it.
+void letFly(double dt, World& world);
+/// Lists whose forces a step sums.
+void listGathered(World& world);
 /// Books the work of the kick just done on the energy ledger. Nothing unless it is kept.
 void keepLedger(double dt, World& world);
 /// Bodies that have come to rest fall asleep; sleepers whose forces changed wake. Nothing unless the scene asks for it.

@@ -85,6 +85,7 @@ void step(World& world, double dt) {
   LapTimer timer(isTimed(world), world.report);
   moveWalls(dt, world);
   timer.lap(Stage::walls);
+  landInTime(world);   // only if somebody flies
   predict(dt, world);  // x, q, v, w at t_{n+1}
   timer.lap(Stage::predict);
   layInOrder(world);        // only if neighbours lie far apart in memory
@@ -104,6 +105,7 @@ void step(World& world, double dt) {
   timer.lap(Stage::watch);
   world.time += dt;
   ++world.steps;
+  letFly(dt, world);  // only bodies that meet nobody for a while
 }
 
 }  // namespace granular

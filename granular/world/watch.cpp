@@ -63,7 +63,7 @@ void watch(World& world) {
 
   // Bodies: one comparison catches speeds that are too large and those that are not numbers.
   const double limit = world.options.maxSpeed * world.options.maxSpeed;
-  report.bodySteps += bodies.movingSlots().size();
+  report.bodySteps += bodies.movingSlots().size() + bodies.flying().all.size();
   visitBodies(bodies.movingSlots(), world.options.noBatches, false, [&]<class Place>(const Place& place) {
     if (all(squareSpeed(bodies, place) <= limit + typename Place::Real{})) return;
     for (std::size_t k = 0; k < place.count; ++k) {

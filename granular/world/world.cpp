@@ -54,6 +54,7 @@ std::int32_t World::addShape(std::shared_ptr<const Shape> shape) {
 }
 
 std::size_t World::addBody(NewBody body) {
+  land(*this);
   body.id = nextId++;
   const std::size_t slot = bodies.add(body, *shapes[static_cast<std::size_t>(body.shapeIndex)]);
   findBalls(slot);
@@ -88,6 +89,7 @@ void wakeNeighbours(const std::vector<bool>& gone, World& world) {
 }  // namespace
 
 void World::removeBodies(const std::vector<bool>& gone) {
+  land(*this);
   wakeNeighbours(gone, *this);
   std::vector<std::int32_t> kept;
   for (std::size_t i = 0; i < gone.size(); ++i) {

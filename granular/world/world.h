@@ -3,6 +3,7 @@
 
 #include <array>
 #include <bitset>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +28,8 @@ struct Skips {
   bool separation = true;   ///< pairs proven apart by a gap are not looked at until it may be closed
   bool feature = true;      ///< the last contact feature is verified instead of searched
   bool orientation = true;  ///< nobody follows how balls lie: they spin all the same, and their q stays 1
+  /// Bodies that meet nobody for a while are moved when they do: whoever reads bodies between steps calls land() first.
+  bool flight = false;
 };
 
 struct WorldOptions {
@@ -136,6 +139,16 @@ struct World {
   bool anyClump = false;     ///< among the shapes
   bool layoutStale = false;  ///< bodies fell asleep or woke: lay out the contacts anew
 
+  /// Bodies that meet nobody for a while (flight.cpp).
+  struct Aloft {
+    static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
+    std::int64_t notBefore = never;  ///< steps from which on it is worthwhile to look for some
+    std::int64_t since = 0;          ///< steps after which their state is that of the bodies that are stepped
+    std::int64_t until = never;      ///< steps after which the first of them may meet somebody
+    double dt = 0;                   ///< s
+    std::uint64_t bodySteps = 0;     ///< saved so far
+  } aloft;
+
   EnergyLedger ledger;                           ///< of t_{n+1/2} after a step; not begun unless the options ask for it
   std::vector<Vec3> velocityBefore, spinBefore;  ///< half-step velocities before the last kick, for the ledger
   std::vector<Vec3> wallForces;                  ///< on each wall, N, of the last step
@@ -187,6 +200,10 @@ struct World {
 
 /// Kinetic energy of all bodies at t_n, J.
 double kineticEnergy(const Bodies& bodies);
+
+/// Brings bodies that fly to t_n (Skips::flight). Between steps; the motion is the same to the bit whoever asks for it
+/// how often.
+void land(World& world);
 
 /// Wakes every sleeper.
 void wakeAll(World& world);

@@ -35,7 +35,7 @@ std::set<Key> keysOf(const PairList& list) {
 
 TEST(BroadPhase, BulletFindsExactlyThePairsOfBruteForceInMetresAtMillimetreSize) {
   Random random(1);
-  const auto bullet = makeBulletBroadPhase(3e-5);
+  const auto bullet = makeBulletBroadPhase();
   const auto brute = makeBruteForceBroadPhase();
   std::vector<Aabb> boxes(400);
   std::vector<std::array<std::int32_t, 2>> fromBullet, fromBrute;
@@ -195,6 +195,26 @@ TEST(Search, PeriodicImagesAreFoundOnceEach) {
   }
   EXPECT_EQ(touching.size(), expected);
   EXPECT_GT(expected, 50u);
+}
+
+TEST(Search, RestoredBetweenARemovalAndTheNextSearchBeginsAnew) {
+  Random random(8);
+  const double width = 0.01;
+  const Sphere sphere(0.8e-3);
+  SearchOptions options;
+  options.periods.length = Vec3(width, 0, 0);
+  const Bodies many = makeBodies(150, width, sphere, random), few = makeBodies(20, width, sphere, random);
+  Search search(options);
+  PairList list;
+  search.refreshPairs(many, 1e-6, 0, list);
+  search.invalidate();
+  search.packBoxes();
+  search.restoreBoxes(few);
+  PairList found, expected;
+  search.refreshPairs(few, 1e-6, 0, found);
+  Search(options).refreshPairs(few, 1e-6, 0, expected);
+  EXPECT_EQ(keysOf(found), keysOf(expected));
+  EXPECT_GT(keysOf(found).size(), 3u);
 }
 
 TEST(Search, MemoryOfAPairSurvivesARefresh) {

@@ -73,5 +73,18 @@ TEST(DuePairs, AreAllPairsWhereNoGapIsKept) {
   EXPECT_EQ(tally.quiet, 0u);
 }
 
+// A history of 56 bytes for each of six or seven pairs would be a fifth of what a sphere takes.
+TEST(DuePairs, OfSpheresHoldTheirHistoriesAndNobodyElseHasRoomForThem) {
+  const auto world = testing::makeEmptyWorld({});
+  world->addShape(std::make_shared<Sphere>(1e-3));
+  testing::addLattice({0}, 6, 1.99e-3, 0, *world);
+  startHalfSteps(*world, 1e-5, 0, true);
+  step(*world, 1e-5);
+  std::size_t held = 0;
+  for (const World::Chunk& chunk : world->chunks) held += chunk.due.spheres.size();
+  EXPECT_GE(held, 3u * 6 * 6 * 5);  // of neighbours in the lattice
+  EXPECT_EQ(world->pairs.memory.history.capacity(), 0u);
+}
+
 }  // namespace
 }  // namespace granular

@@ -111,9 +111,9 @@ TEST_P(Motion, HasTheSameBitsWhetherSomebodyFollowsHowBallsLieOrNot) {
     for (auto& world : worlds) moveOneStep(*world);
   }
   const Bodies &left = worlds[0]->bodies, &followed = worlds[1]->bodies;
-  EXPECT_EQ(left.ballSlots().size(), 20u);
-  EXPECT_EQ(left.orientedBallSlots().size(), 0u);
-  EXPECT_EQ(followed.orientedBallSlots().size(), 20u);
+  EXPECT_EQ(left.stepped().balls.size(), 20u);
+  EXPECT_EQ(left.stepped().orientedBalls.size(), 0u);
+  EXPECT_EQ(followed.stepped().orientedBalls.size(), 20u);
   for (std::size_t i = 0; i < left.size(); ++i) {
     EXPECT_EQ(left.x[i], followed.x[i]);
     EXPECT_EQ(left.w[i], followed.w[i]);
