@@ -43,14 +43,6 @@ struct RimPoint {
 /// Newton's steps before a pair is left to newton.h.
 inline constexpr int mostLaneSteps = 4;
 
-/// What isGlobal asks of the centres.
-template <class Real>
-Mask<Real> provesGlobal(const CylinderPair<Real>& p, const LaneLook<Real>& look, const Real& margin) {
-  const Real ahead = p.between.dot(look.z);
-  const Real beside = squareRoot(larger(Real(p.between.dot(p.between) - ahead * ahead), Real{}));
-  return isGlobal(look.depth, margin, ahead, beside, p.inner);
-}
-
 /// Side across side: the normal is across both axes, x runs along the seat's.
 template <class Real>
 LaneLook<Real> lookAtSides(const CylinderPair<Real>& p) {
@@ -72,7 +64,7 @@ LaneLook<Real> lookAtSides(const CylinderPair<Real>& p) {
   look.x = s;
   look.y = n.cross(s);
   look.z = n;
-  look.proven = provesGlobal(p, look, Real(inside * sine));
+  look.proven = isGlobal(look.z, look.depth, Real(inside * sine), p.between, p.inner);
   return look;
 }
 
@@ -149,7 +141,7 @@ LaneLook<Real> lookAtRimInCap(const CylinderPair<Real>& p) {
   look.x = tangentOf(n);
   look.y = n.cross(look.x);
   look.z = n;
-  look.proven = provesGlobal(p, look, margin);
+  look.proven = isGlobal(look.z, look.depth, margin, p.between, p.inner);
   return look;
 }
 

@@ -50,5 +50,11 @@ inline bool isGlobal(const Vec3& normal, double depth, double margin, const Vec3
   const double along = x.dot(normal), across = std::sqrt(std::max(0.0, x.squaredNorm() - along * along));
   return isGlobal(depth, margin, along, across, inner);
 }
+template <class Real>
+Mask<Real> isGlobal(const Triple<Real>& normal, const Real& depth, const Real& margin, const Triple<Real>& x,
+                    const Real& inner) {
+  const Real along = x.dot(normal), across = squareRoot(larger(Real(x.dot(x) - along * along), Real{}));
+  return isGlobal(depth, margin, along, across, inner);
+}
 
 }  // namespace granular

@@ -81,9 +81,7 @@ CrossingLook<Real> lookAtCrossing(const EdgePair<Real>& p, double steepest) {
   look.holds = both(both(look.holds, crosses), both(insideS * lengthS >= -p.tie, insideG * lengthG >= -p.tie));
   look.depth = n.dot(w);
   const Real margin = larger(Real(area * smaller(Real(insideS / lengthG), Real(insideG / lengthS))), Real{});
-  const Real ahead = p.between.dot(n);
-  const Real beside = squareRoot(larger(Real(p.between.dot(p.between) - ahead * ahead), Real{}));
-  look.proven = isGlobal(look.depth, margin, ahead, beside, p.inner);
+  look.proven = isGlobal(n, look.depth, margin, p.between, p.inner);
   const Triple<Real> crossingS = s.a + onSeat * u, crossingG = start + onGuest * v;
   look.middle = 0.5 * (crossingS + crossingG);
   look.x = x;
@@ -180,9 +178,7 @@ TipLook<Real> lookAtTip(const TipPair<Real>& p) {
     look.spokes[k] = {spoke.dot(look.x), spoke.dot(look.y), spoke.dot(n)};
     look.holds = both(look.holds, look.spokes[k].z >= 0);
   }
-  const Real ahead = p.between.dot(n);
-  const Real beside = squareRoot(larger(Real(p.between.dot(p.between) - ahead * ahead), Real{}));
-  look.proven = isGlobal(look.depth, larger(look.margin, Real{}), ahead, beside, p.inner);
+  look.proven = isGlobal(n, look.depth, larger(look.margin, Real{}), p.between, p.inner);
   look.middle = tip + Real(0.5 * look.depth) * n;
   return look;
 }

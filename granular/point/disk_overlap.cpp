@@ -2,6 +2,7 @@
 
 #include "granular/core/wide.h"
 #include "granular/point/clip.h"
+#include "granular/shape/revolution.h"
 
 namespace granular {
 namespace {
@@ -9,23 +10,11 @@ namespace {
 constexpr std::size_t samples = faceSamples;
 static_assert(samples % wideSize == 0 && samples <= 32);
 
-/// Cosine and sine of each corner's angle.
-struct Circle {
-  alignas(64) double cosine[samples], sine[samples];
-  Circle() {
-    for (std::size_t k = 0; k < samples; ++k) {
-      const double angle = 2 * pi * static_cast<double>(k) / samples;
-      cosine[k] = std::cos(angle);
-      sine[k] = std::sin(angle);
-    }
-  }
-};
-const Circle circle;
-
 /// The corners of a face's polygon, counter-clockwise in the contact plane.
 struct Corners {
   alignas(64) double x[samples], y[samples];
   explicit Corners(const Oval& oval) {
+    const RimAngles& circle = rimAngles();
     for (std::size_t k = 0; k < samples; k += wideSize) {
       const Wide c = loadWide(circle.cosine + k), s = loadWide(circle.sine + k);
       storeWide(oval.centre.x() + c * oval.first.x() + s * oval.second.x(), x + k);

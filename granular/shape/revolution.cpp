@@ -15,20 +15,22 @@ void requireLength(const std::string& shape, const std::string& parameter, doubl
           shape + ": " + parameter + " is " + value + " m; it must be finite and above 0");
 }
 
-Vec3 rimPoint(double radius, double z, const Vec2& first, int k) {
-  struct Circle {
-    std::array<Vec2, faceSamples> points;
-    Circle() {
-      for (int j = 0; j < faceSamples; ++j) {
-        const double angle = 2 * pi * j / faceSamples;
-        points[static_cast<std::size_t>(j)] = Vec2(std::cos(angle), std::sin(angle));
-      }
+const RimAngles& rimAngles() {
+  static const RimAngles angles = [] {
+    RimAngles all;
+    for (int k = 0; k < faceSamples; ++k) {
+      const double angle = 2 * pi * k / faceSamples;
+      all.cosine[k] = std::cos(angle);
+      all.sine[k] = std::sin(angle);
     }
-  };
-  static const Circle circle;
-  const Vec2& turn = circle.points[static_cast<std::size_t>(k)];
-  return {radius * (first.x() * turn.x() - first.y() * turn.y()),
-          radius * (first.x() * turn.y() + first.y() * turn.x()), z};
+    return all;
+  }();
+  return angles;
+}
+
+Vec3 rimPoint(double radius, double z, const Vec2& first, int k) {
+  const double cosine = rimAngles().cosine[k], sine = rimAngles().sine[k];
+  return {radius * (first.x() * cosine - first.y() * sine), radius * (first.x() * sine + first.y() * cosine), z};
 }
 
 TriangleMesh revolve(std::span<const Vec2> profile, int segments) {

@@ -17,6 +17,12 @@ inline Vec2 azimuthOf(const Vec3& d) {
   return across > 0 ? Vec2(d.x() / across, d.y() / across) : Vec2(1, 0);
 }
 
+/// Cosine and sine of faceSamples angles around the circle, from 0 on.
+struct RimAngles {
+  alignas(64) double cosine[faceSamples], sine[faceSamples];
+};
+const RimAngles& rimAngles();
+
 /// Point k of faceSamples on the circle (radius, z), counter-clockwise about z, point 0 at the azimuth `first`.
 Vec3 rimPoint(double radius, double z, const Vec2& first, int k);
 
