@@ -18,7 +18,7 @@ bool canMove(const Bodies& bodies, std::size_t i) { return bodies.state[i] != Bo
 
 bool Search::isDue(const Bodies& bodies, double wallTravel) const {
   if (settings.everyStep || margins.size() != bodies.size()) return true;
-  const auto isUsedUp = [&](std::size_t i) { return bodies.travel[i] + wallTravel - travelAtPlace[i] > margins[i]; };
+  const auto isUsedUp = [&](std::size_t i) { return marginLeft(bodies, i, wallTravel) < 0; };
   // A body that does not move can only be left by a wall that does.
   if (wallTravel == 0) {
     const std::vector<std::int32_t>& moving = bodies.movingSlots();

@@ -15,6 +15,18 @@ Real wayOfSurface(double dt, const Triple<Real>& vHalf, const Real& radius, cons
   return dt * (vHalf.norm() + radius * squareRoot(larger(wHalf.dot(wHalf), w.dot(w))));
 }
 
+/// Writes the state at t_{n+1} of bodies that turn by a scheme.
+template <class Place, class Real = typename Place::Real>
+void writeState(const Triple<Real>& x, const Triple<Real>& v, const Turn<Real>& turn, const Triple<Real>& spinHalf,
+                const Place& place, Bodies& bodies) {
+  place.write(spinHalf, bodies.spinHalf);
+  place.write(x, bodies.x);
+  place.write(v, bodies.v);
+  place.write(turn.q, bodies.q);
+  place.write(turn.w, bodies.w);
+  place.write(turn.q, x, bodies.frame);
+}
+
 /// How balls lie at t_{n+1}, for those who ask.
 template <class Place>
 void turnBalls(double dt, const Place& place, Bodies& bodies) {

@@ -39,13 +39,8 @@ void flyBodies(const Flight& flight, const Scheme& scheme, const Place& place, B
     scheme.advanceRotation(dt, moments, torque, now, half);
   }
   place.write(travel, bodies.travel);
-  place.write(spinHalf, bodies.spinHalf);
-  place.write(x, bodies.x);
-  place.write(v, bodies.v);
+  writeState(x, v, now, spinHalf, place, bodies);
   place.write(vHalf, bodies.vHalf);
-  place.write(now.q, bodies.q);
-  place.write(now.w, bodies.w);
-  place.write(now.q, x, bodies.frame);
   place.write(half.q, bodies.qHalf);
   place.write(half.w, bodies.wHalf);
   place.write(half.alpha, bodies.alpha);
@@ -117,23 +112,24 @@ void fly(const Flight& flight, const WorldOptions& options, Bodies& bodies) {
   });
 }
 
-void bringDown(bool predicted, World& world) {
+/// predicted: to where predict brought the others. False if nobody flies.
+bool bringDown(bool predicted, World& world) {
   Bodies& bodies = world.bodies;
   const std::vector<std::int32_t>& slots = bodies.flying().all;
-  if (slots.empty()) return;
+  if (slots.empty()) return false;
   World::Aloft& aloft = world.aloft;
   const std::int64_t steps = world.steps - aloft.since;
   if (steps > 0 || predicted) fly({aloft.dt, steps + predicted, steps}, world.options, bodies);
   aloft.bodySteps += static_cast<std::uint64_t>(steps) * slots.size();
   aloft.until = World::Aloft::never;
   bodies.land();
+  return true;
 }
 
 }  // namespace
 
 void land(World& world) {
-  if (world.bodies.flying().all.empty()) return;
-  bringDown(false, world);
+  if (!bringDown(false, world)) return;
   listGathered(world);
   world.aloft.notBefore = world.steps + 1;
 }

@@ -45,12 +45,7 @@ typename Place::Real predictBodies(double dt, const Scheme& scheme, const Place&
   const Real way = wayOfSurface(dt, vHalf, place.read(bodies.boundingRadius), half.w, next.w);
   place.write(place.read(bodies.travel) + way, bodies.travel);
   const Triple<Real> spinHalf = half.q.rotate(half.w);
-  place.write(spinHalf, bodies.spinHalf);
-  place.write(x, bodies.x);
-  place.write(v, bodies.v);
-  place.write(next.q, bodies.q);
-  place.write(next.w, bodies.w);
-  place.write(next.q, x, bodies.frame);
+  writeState(x, v, next, spinHalf, place, bodies);
   if (rows) {
     place.write(
         MotionOf<Real>{v, next.w, vHalf, spinHalf, place.read(bodies.inverseMass), place.read(bodies.radiusRatio)},
