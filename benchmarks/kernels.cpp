@@ -207,8 +207,9 @@ void rotate(benchmark::State& state) {
   state.SetLabel(std::string(scheme.name));
 }
 
-/// A stage of the step on a cubic lattice of 20^3 spheres that just overlap: ns per contact.
-void stage(benchmark::State& state, void (*run)(World&)) {
+/// Stages of the step on a cubic lattice of 20^3 spheres that just overlap: ns per contact.
+template <class Run>
+void stage(benchmark::State& state, Run run) {
   MaterialTable materials;
   materials.add("grain", ContactParameters{});
   World world({}, std::move(materials));
@@ -224,9 +225,22 @@ void stage(benchmark::State& state, void (*run)(World&)) {
   for (auto _ : state) run(world);
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(world.contactCount()));
 }
-void gather(benchmark::State& state) { stage(state, gatherForces); }
+/// As several threads do it, by one of them: alone it would add each contact when it is made.
+void gather(benchmark::State& state) {
+  stage(state, [made = false](World& world) mutable {
+    if (!made) {
+      world.addsAtOnce = false;
+      makeContacts(1e-6, world);
+      made = true;
+    }
+    gatherForces(world);
+  });
+}
 void allContacts(benchmark::State& state) {
-  stage(state, [](World& world) { makeContacts(1e-6, world); });
+  stage(state, [](World& world) {
+    beginForces(world);
+    makeContacts(1e-6, world);
+  });
 }
 
 BENCHMARK(warm)->Apply(pairs);

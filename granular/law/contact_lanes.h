@@ -109,6 +109,13 @@ struct ContactLanes {
     storeRows<6>({onA.x, onA.y, onA.z, onB.x, onB.y, onB.z}, to, some);
     for (std::size_t i = 0; i < some; ++i) contacts[i]->force.sliding = sliding[k + i] != 0;
   }
+  void takeForces(std::size_t k, std::size_t some, BriefContact* const* briefs) const {
+    const Triple<Wide> f = force.load(k);
+    std::array<double*, wideSize> to;
+    for (std::size_t i = 0; i < wideSize; ++i) to[i] = briefs[i]->force.data();
+    storeRows<4>({f.x, f.y, f.z, normalForce.load(k)}, to, some);
+    for (std::size_t i = 0; i < some; ++i) briefs[i]->sliding = sliding[k + i] != 0;
+  }
   /// Apart from who they pull.
   void takePulls(std::size_t k, std::size_t some, ContactPull* const* pulls) const {
     const Triple<Wide> f = force.load(k), onA = torqueA.load(k), onB = torqueB.load(k);

@@ -33,15 +33,20 @@ struct ContactPull {
   Vec3 force;             ///< on A, N
   Vec3 torqueA, torqueB;  ///< about either centre of mass, N m
 };
+inline ContactPull pullOf(const Contact& contact) {
+  return {contact.a, contact.b, contact.force.force, contact.torqueA, contact.torqueB};
+}
 static_assert(offsetof(ContactPull, torqueB) == offsetof(ContactPull, force) + 6 * sizeof(double));  // a row of numbers
 
-/// A contact of two smooth bodies or children in short; the rest of a Contact follows from its pull and from where the
-/// two touch, which balls tell at any time and a SmoothTouch remembers for others.
+/// A contact of two smooth bodies or children in short; the rest of a Contact follows from where the two touch, which
+/// balls tell at any time and a SmoothTouch remembers for others.
 struct BriefContact {
+  Vec3 force;  ///< as in ContactForce
+  double normalForce;
   std::int32_t pair;            ///< index in PairList::pairs
   std::int32_t childA, childB;  ///< as in Spot
   bool sliding, held;
-  double normalForce;
 };
+static_assert(offsetof(BriefContact, normalForce) == 3 * sizeof(double));  // a row of numbers
 
 }  // namespace granular

@@ -14,6 +14,15 @@ constexpr double fewMoved = 0.1;
 
 bool canMove(const Bodies& bodies, std::size_t i) { return bodies.state[i] != BodyState::frozen; }
 
+/// True if balls, grown as their boxes are, are too far apart to meet: half of the boxes that overlap are of such.
+/// shift: of the second one, m.
+bool areBallsApart(const Aabb& one, const Aabb& other, const Vec3& shift) {
+  constexpr double roundOff = 1e-9;  // of a box in the length of balls, however far from the origin
+  const Vec3 between = 0.5 * (other.lo + other.hi - one.lo - one.hi) + shift;
+  const double reach = 0.5 * (1 + roundOff) * (one.hi.x() - one.lo.x() + other.hi.x() - other.lo.x());
+  return between.squaredNorm() > reach * reach;
+}
+
 }  // namespace
 
 bool Search::isDue(const Bodies& bodies, double wallTravel) const {
@@ -174,6 +183,9 @@ void Search::findAtImages(const Bodies& bodies, std::size_t i) {
 void Search::addPair(const Bodies& bodies, std::int32_t a, std::int32_t b, const Image& imageOfBox) {
   const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
   if (!canMove(bodies, i) && !canMove(bodies, j)) return;
+  if (bodies.isBall(i) && bodies.isBall(j) &&
+      areBallsApart(broadPhase->bounds()[i], broadPhase->bounds()[j], settings.periods.shift(imageOfBox)))
+    return;
   Pair pair{a, b, -1, imageOfBox, -infinity};
   for (std::size_t k = 0; k < 3; ++k) pair.image[k] += wraps[j][k] - wraps[i][k];
   if (bodies.id[i] > bodies.id[j]) {

@@ -6,6 +6,7 @@
 #include "granular/narrow/ball_touch.h"
 #include "granular/narrow/clump_pair.h"
 #include "granular/point/witness.h"
+#include "granular/world/stages.h"
 
 namespace granular {
 namespace {
@@ -14,7 +15,7 @@ std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 
 }  // namespace
 
-void BriefBatch::begin(double dt, const World& of) {
+void BriefBatch::begin(double dt, World& of) {
   world = &of;
   law = lawInLanes(of.options.law, of.options.lawOptions);
   manyMaterials = of.materials.count() > 1;
@@ -95,47 +96,70 @@ void BriefBatch::load() {
 void BriefBatch::store(World::Chunk& chunk) const {
   const std::size_t before = chunk.briefs.size();
   resizeClosely(chunk.briefs, before + count());
+  for (std::size_t k = 0; k < count(); k += wideSize) {
+    const std::size_t some = std::min(wideSize, count() - k);
+    std::array<BriefContact*, wideSize> briefs;
+    for (std::size_t i = 0; i < wideSize; ++i) briefs[i] = &chunk.briefs[before + k + std::min(i, some - 1)];
+    contacts.takeHistories(k, some, &history[k]);
+    contacts.takeForces(k, some, briefs.data());
+  }
+  for (std::size_t k = 0; k < count(); ++k) {
+    BriefContact& brief = chunk.briefs[before + k];
+    brief.pair = pair[k];
+    brief.childA = childA[k];
+    brief.childB = childB[k];
+    brief.held = false;
+  }
+  world->addsAtOnce ? addToBodies() : appendPulls(chunk);
+}
+
+/// Contact after contact, as gatherForces does.
+void BriefBatch::addToBodies() const {
+  for (std::size_t k = 0; k < count(); ++k) {
+    const ContactPull pull{a[k], b[k], contacts.force.take(k), contacts.torqueA.take(k), contacts.torqueB.take(k)};
+    addPull(pull, *world, anybody);
+  }
+}
+
+void BriefBatch::appendPulls(World::Chunk& chunk) const {
+  const std::size_t before = chunk.pulls.size();
   resizeClosely(chunk.pulls, before + count());
   for (std::size_t k = 0; k < count(); k += wideSize) {
     const std::size_t some = std::min(wideSize, count() - k);
     std::array<ContactPull*, wideSize> pulls;
     for (std::size_t i = 0; i < wideSize; ++i) pulls[i] = &chunk.pulls[before + k + std::min(i, some - 1)];
-    contacts.takeHistories(k, some, &history[k]);
     contacts.takePulls(k, some, pulls.data());
   }
   for (std::size_t k = 0; k < count(); ++k) {
-    ContactPull& pull = chunk.pulls[before + k];
-    pull.a = a[k];
-    pull.b = b[k];
-    chunk.briefs[before + k] = {
-        pair[k], childA[k], childB[k], contacts.sliding[k] != 0, false, contacts.normalForce[k]};
+    chunk.pulls[before + k].a = a[k];
+    chunk.pulls[before + k].b = b[k];
   }
 }
 
 Contact World::describeBrief(const Chunk& chunk, std::size_t k) const {
   const BriefContact& brief = chunk.briefs[k];
-  const ContactPull& pull = chunk.pulls[k];
+  const Pair& pair = pairs.pairs[at(brief.pair)];
   Contact contact;
   contact.pair = brief.pair;
-  contact.a = pull.a;
-  contact.b = pull.b;
+  contact.a = pair.a;
+  contact.b = pair.b;
   contact.spot = {0, brief.childA, brief.childB};
-  contact.shift = options.periods.shift(pairs.pairs[at(brief.pair)].image);
+  contact.shift = options.periods.shift(pair.image);
   if (chunk.touches.empty()) {
-    const PlacedBall ballA = placeBall(*bodies.shape[at(pull.a)], bodies.frame[at(pull.a)], brief.childA);
-    Frame frameB = bodies.frame[at(pull.b)];
+    const PlacedBall ballA = placeBall(*bodies.shape[at(pair.a)], bodies.frame[at(pair.a)], brief.childA);
+    Frame frameB = bodies.frame[at(pair.b)];
     frameB.x += contact.shift;
-    const PlacedBall ballB = placeBall(*bodies.shape[at(pull.b)], frameB, brief.childB);
+    const PlacedBall ballB = placeBall(*bodies.shape[at(pair.b)], frameB, brief.childB);
     fillBallTouch(lookAtBalls(ballA.centre, ballA.radius, ballB.centre, ballB.radius), ballA.centre, ballA.radius,
                   contact.touch);
   } else {
     contact.touch.take(chunk.touches[k]);
   }
   placeWitness(contact.touch, contact.patch);
-  contact.force = {pull.force, Vec3::Zero(), brief.normalForce, brief.sliding};
+  contact.force = {brief.force, Vec3::Zero(), brief.normalForce, brief.sliding};
   contact.held = brief.held;
-  contact.torqueA = pull.torqueA;
-  contact.torqueB = pull.torqueB;
+  contact.torqueA = (contact.patch.point - bodies.x[at(pair.a)]).cross(brief.force);
+  contact.torqueB = -(contact.patch.point - bodies.x[at(pair.b)] - contact.shift).cross(brief.force);
   return contact;
 }
 

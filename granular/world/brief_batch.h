@@ -22,7 +22,7 @@ struct BriefBatch {
 
   std::size_t count() const { return contacts.count; }
   /// Empties it for the contacts of a world; dt: of the step, s.
-  void begin(double dt, const World& of);
+  void begin(double dt, World& of);
   /// Who touch: as in BriefContact; body slots.
   struct Who {
     std::int32_t pair, a, b, childA, childB;
@@ -62,16 +62,19 @@ struct BriefBatch {
   /// Takes out those whose overlap is not above 0, which are the only ones of their pairs, and names these in
   /// Due::apart; the deepest of the others is noted. size: what overlaps are relative to, m.
   void dropApart(const ContactLanes::Lane& size, World::Chunk& chunk);
-  /// The law for all contacts: histories are kept, contacts and their pulls appended to the chunk.
+  /// The law for all contacts: histories are kept, contacts appended to the chunk. What they do to their bodies is
+  /// added to these (World::addsAtOnce), or appended to the chunk as pulls.
   void press(World::Chunk& chunk);
 
  private:
   void move(std::size_t from, std::size_t to);
   void load();
   void store(World::Chunk& chunk) const;
+  void addToBodies() const;
+  void appendPulls(World::Chunk& chunk) const;
   void putConstants(std::size_t k, std::int32_t materialA, std::int32_t materialB);
 
-  const World* world = nullptr;
+  World* world = nullptr;
   LawInLanes law = nullptr;
   bool manyMaterials = true;
 };

@@ -124,10 +124,11 @@ LawInLanes chooseLanes(const WorldOptions& options) {
 void applyLawInLanes(double dt, LawInLanes law, World::Chunk& chunk, World& world) {
   thread_local LawBatch batch;
   batch.begin(dt, law, world);
-  resizeClosely(chunk.pulls, chunk.contacts.size());
+  if (!world.addsAtOnce) resizeClosely(chunk.pulls, chunk.contacts.size());
   std::size_t firstOfPair = 0;
   for (std::size_t k = 0; k < chunk.contacts.size(); ++k) {
-    batch.add(chunk.contacts[k], findHistory(world, chunk, k, firstOfPair), chunk.pulls[k]);
+    batch.add(chunk.contacts[k], findHistory(world, chunk, k, firstOfPair),
+              world.addsAtOnce ? nullptr : &chunk.pulls[k]);
   }
   batch.finish();
 }
@@ -150,7 +151,11 @@ void applyLaw(double dt, World::Chunk& chunk, World& world) {
     law(constants, options.lawOptions, met.a, met.b, met.motion, history, contact.force);
     contact.torqueA = met.a.arm.cross(contact.force.force) + contact.force.couple;
     contact.torqueB = -met.b.arm.cross(contact.force.force) - contact.force.couple;
-    chunk.pulls.push_back({contact.a, contact.b, contact.force.force, contact.torqueA, contact.torqueB});
+    if (world.addsAtOnce) {
+      addPull(pullOf(contact), world, anybody);
+    } else {
+      chunk.pulls.push_back(pullOf(contact));
+    }
     if constexpr (keepsLedger) {
       chunk.accounts[k] = accountContact(options.law, constants, options.lawOptions, met.a, met.b, met.motion, before,
                                          history, contact.force);
@@ -225,24 +230,7 @@ void beginSums(World& world, std::size_t first, std::size_t last) {
 /// Adds what contacts do to those bodies that isOwn(slot) names.
 template <class IsOwn>
 void addPulls(const std::vector<ContactPull>& pulls, World& world, const IsOwn& isOwn) {
-  Bodies& bodies = world.bodies;
-  const bool loads = world.options.sleep.on;
-  const auto counts = [&](std::int32_t body) {
-    return body >= 0 && isOwn(body) && bodies.state[at(body)] != BodyState::frozen;
-  };
-  for (const ContactPull& pull : pulls) {
-    const double half = loads ? 0.5 * pull.force.norm() : 0;
-    if (counts(pull.a)) {
-      bodies.force[at(pull.a)] += pull.force;
-      bodies.torque[at(pull.a)] += pull.torqueA;
-      if (loads) world.load[at(pull.a)] += half;
-    }
-    if (counts(pull.b)) {
-      bodies.force[at(pull.b)] -= pull.force;
-      bodies.torque[at(pull.b)] += pull.torqueB;
-      if (loads) world.load[at(pull.b)] += half;
-    }
-  }
+  for (const ContactPull& pull : pulls) addPull(pull, world, isOwn);
 }
 
 /// Forces of all bodies. Each thread has a run of them and goes through the contacts of the chunks that name any, in
@@ -263,7 +251,7 @@ void sumForces(World& world) {
       const World::Chunk& chunk = world.chunks[c];
       if (chunk.highest < lowest || highest < chunk.lowest) continue;
       if (fetches && c + 1 < world.chunks.size()) fetchAll(world.chunks[c + 1].pulls);
-      isOwn(chunk.lowest) && isOwn(chunk.highest) ? addPulls(chunk.pulls, world, [](std::int32_t) { return true; })
+      isOwn(chunk.lowest) && isOwn(chunk.highest) ? addPulls(chunk.pulls, world, anybody)
                                                   : addPulls(chunk.pulls, world, isOwn);
     }
   });
@@ -292,14 +280,20 @@ void applyForceLaws(double dt, std::size_t c, World& world) {
   world.options.energy ? applyLaw<true>(dt, chunk, world) : applyLaw<false>(dt, chunk, world);
 }
 
-void gatherForces(World& world) {
+void beginForces(World& world) {
   if (world.options.sleep.on) world.load.resize(world.bodies.size());
-  sumForces(world);
+  const bool small = world.chunks.size() < chunksForThreads && world.gathered.size() < bodiesForThreads;
+  world.addsAtOnce = small || omp_get_max_threads() == 1;
+  if (world.addsAtOnce) beginSums(world, 0, world.gathered.size());
+}
+
+void gatherForces(World& world) {
+  if (!world.addsAtOnce) sumForces(world);
 
   // Walls are few: their sums run over all their contacts in order.
   world.wallForces.assign(world.walls.size(), Vec3::Zero());
   for (std::size_t c = world.wallChunkBegin; c < world.chunks.size(); ++c) {
-    for (const ContactPull& pull : world.chunks[c].pulls) world.wallForces[at(-1 - pull.b)] -= pull.force;
+    for (const Contact& contact : world.chunks[c].contacts) world.wallForces[at(-1 - contact.b)] -= contact.force.force;
   }
   measureWallStiffness(world);
 }

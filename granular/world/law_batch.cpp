@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "granular/world/contact_radius.h"
+#include "granular/world/stages.h"
 
 namespace granular {
 namespace {
@@ -58,7 +59,7 @@ std::int32_t putContact(const World& world, const Contact& contact, std::size_t 
 
 }  // namespace
 
-void LawBatch::begin(double dt, LawInLanes chosen, const World& of) {
+void LawBatch::begin(double dt, LawInLanes chosen, World& of) {
   world = &of;
   law = chosen;
   lanes.count = 0;
@@ -71,17 +72,30 @@ void LawBatch::begin(double dt, LawInLanes chosen, const World& of) {
     lanes.putConstants(k, of.materials.constants(0, 0), of.options.lawOptions.tension, elastic);
 }
 
-void LawBatch::add(Contact& contact, ContactHistory& history, ContactPull& pull) {
+void LawBatch::add(Contact& contact, ContactHistory& history, ContactPull* pull) {
   const std::size_t k = lanes.count++;
   contacts[k] = &contact;
   histories[k] = &history;
-  pulls[k] = &pull;
+  pulls[k] = pull;
   __builtin_prefetch(&history);  // read when the batch is full
   if (lanes.count == capacity) finish();
 }
 
 void LawBatch::putRadii() {
   for (std::size_t k = 0; k < lanes.count; ++k) lanes.radius[k] = contactRadius(*world, *contacts[k]);
+}
+
+void LawBatch::addToBodies() {
+  for (std::size_t k = 0; k < lanes.count; ++k) addPull(pullOf(*contacts[k]), *world, anybody);
+}
+
+void LawBatch::takePulls() {
+  for (std::size_t k = 0; k < lanes.count; k += wideSize)
+    lanes.takePulls(k, std::min(wideSize, lanes.count - k), &pulls[k]);
+  for (std::size_t k = 0; k < lanes.count; ++k) {
+    pulls[k]->a = contacts[k]->a;
+    pulls[k]->b = contacts[k]->b;
+  }
 }
 
 void LawBatch::finish() {
@@ -113,12 +127,8 @@ void LawBatch::finish() {
     const std::size_t some = std::min(wideSize, count - k);
     lanes.takeForces(k, some, &contacts[k]);
     lanes.takeHistories(k, some, &histories[k]);
-    lanes.takePulls(k, some, &pulls[k]);
   }
-  for (std::size_t k = 0; k < count; ++k) {
-    pulls[k]->a = contacts[k]->a;
-    pulls[k]->b = contacts[k]->b;
-  }
+  world->addsAtOnce ? addToBodies() : takePulls();
   lanes.count = 0;
 }
 

@@ -250,8 +250,8 @@ void letSleep(double dt, World& world) {
       holdContact(contact, world);
     }
     for (std::size_t k = 0; k < chunk.briefs.size(); ++k) {
-      const ContactPull& pull = chunk.pulls[k];
-      if (bodies.moves(static_cast<std::size_t>(pull.a)) || bodies.moves(static_cast<std::size_t>(pull.b))) continue;
+      const auto [a, b] = world.partiesOf(chunk, k);
+      if (bodies.moves(static_cast<std::size_t>(a)) || bodies.moves(static_cast<std::size_t>(b))) continue;
       chunk.briefs[k].held = true;
       Contact contact = world.describeBrief(chunk, k);
       holdContact(contact, world);
@@ -272,6 +272,7 @@ void startHalfSteps(World& world, double dt, std::size_t first, bool withContact
   if (withContacts) {
     refreshPairs(dt, world);
     layOutMotion(world);
+    beginForces(world);
     makeContacts(0, world);  // no time passes: springs stay as they are
     gatherForces(world);
   } else {

@@ -40,7 +40,32 @@ void findContacts(std::size_t c, World& world);
 void placeContactPoints(std::size_t c, World& world);
 /// Force and couple of each contact of chunk c, and its history.
 void applyForceLaws(double dt, std::size_t c, World& world);
-/// Sums forces and torques on each body in the order of its pairs, gravity first.
+/// Whether what contacts do is added to their bodies at once (World::addsAtOnce); then forces begin here, with weights.
+void beginForces(World& world);
+/// Adds what a contact does to those of its bodies that isOwn(slot) names.
+template <class IsOwn>
+void addPull(const ContactPull& pull, World& world, const IsOwn& isOwn) {
+  Bodies& bodies = world.bodies;
+  const bool loads = world.options.sleep.on;
+  const double half = loads ? 0.5 * pull.force.norm() : 0;
+  const auto counts = [&](std::int32_t body) {
+    return body >= 0 && isOwn(body) && bodies.state[static_cast<std::size_t>(body)] != BodyState::frozen;
+  };
+  if (counts(pull.a)) {
+    const auto a = static_cast<std::size_t>(pull.a);
+    bodies.force[a] += pull.force;
+    bodies.torque[a] += pull.torqueA;
+    if (loads) world.load[a] += half;
+  }
+  if (counts(pull.b)) {
+    const auto b = static_cast<std::size_t>(pull.b);
+    bodies.force[b] -= pull.force;
+    bodies.torque[b] += pull.torqueB;
+    if (loads) world.load[b] += half;
+  }
+}
+inline constexpr auto anybody = [](std::int32_t) { return true; };
+/// Sums forces and torques on each body in the order of its pairs, gravity first, unless they were added at once.
 void gatherForces(World& world);
 /// Takes from the forces and torques of the bodies from slot `first` on what their locks forbid. Nothing unless a body
 /// has locks.

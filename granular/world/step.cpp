@@ -91,6 +91,8 @@ void step(World& world, double dt) {
   layInOrder(world);        // only if neighbours lie far apart in memory
   refreshPairs(dt, world);  // only after the skin is used up
   timer.lap(Stage::search);
+  beginForces(world);  // weights
+  timer.lap(Stage::gather);
   makeContacts(dt, world);  // findContacts, placeContactPoints, applyForceLaws
   timer.lapContacts(world.chunks);
   gatherForces(world);          // fixed order per body

@@ -5,13 +5,14 @@
 namespace granular {
 namespace {
 
-/// Names both parties of a contact.
-Trouble troubleOf(const World& world, const ContactPull& contact, Trouble::Kind kind, double value) {
-  Trouble trouble{kind, world.time, world.bodies.id[static_cast<std::size_t>(contact.a)], -1, {}, value};
-  if (contact.b >= 0) {
-    trouble.bodyB = world.bodies.id[static_cast<std::size_t>(contact.b)];
+/// Names both parties of a contact, as in Contact.
+Trouble troubleOf(const World& world, const std::array<std::int32_t, 2>& parties, Trouble::Kind kind, double value) {
+  const auto [a, b] = parties;
+  Trouble trouble{kind, world.time, world.bodies.id[static_cast<std::size_t>(a)], -1, {}, value};
+  if (b >= 0) {
+    trouble.bodyB = world.bodies.id[static_cast<std::size_t>(b)];
   } else {
-    trouble.wall = world.walls[static_cast<std::size_t>(-1 - contact.b)]->name;
+    trouble.wall = world.walls[static_cast<std::size_t>(-1 - b)]->name;
   }
   return trouble;
 }
@@ -32,9 +33,9 @@ void watch(World& world) {
 
   // Contacts: the certificate and the deepest overlap.
   double deepest = 0;
-  const ContactPull* deepestContact = nullptr;
+  const World::Chunk* deepestChunk = nullptr;
   for (const World::Chunk& chunk : world.chunks) {
-    report.contactSteps += chunk.pulls.size();
+    report.contactSteps += chunk.contacts.size() + chunk.briefs.size();
     report.narrow += chunk.counts;
     if (chunk.uncertifiedPair >= 0) {
       const Pair& pair = world.pairs.pairs[static_cast<std::size_t>(chunk.uncertifiedPair)];
@@ -47,18 +48,19 @@ void watch(World& world) {
     }
     if (chunk.deepestContact >= 0 && chunk.deepest > deepest) {
       deepest = chunk.deepest;
-      deepestContact = &chunk.pulls[static_cast<std::size_t>(chunk.deepestContact)];
+      deepestChunk = &chunk;
     }
   }
-  if (deepestContact && deepest > report.deepestOverlap) {
-    const Trouble names = troubleOf(world, *deepestContact, Trouble::Kind::deepOverlap, deepest);
-    report.deepestOverlap = deepest;
-    report.deepestTime = world.time;
-    report.deepestA = names.bodyA;
-    report.deepestB = names.bodyB;
-  }
-  if (deepestContact && deepest > world.options.deepOverlap) {
-    report.add(troubleOf(world, *deepestContact, Trouble::Kind::deepOverlap, deepest));
+  if (deepestChunk && (deepest > report.deepestOverlap || deepest > world.options.deepOverlap)) {
+    const auto parties = world.partiesOf(*deepestChunk, static_cast<std::size_t>(deepestChunk->deepestContact));
+    const Trouble trouble = troubleOf(world, parties, Trouble::Kind::deepOverlap, deepest);
+    if (deepest > report.deepestOverlap) {
+      report.deepestOverlap = deepest;
+      report.deepestTime = world.time;
+      report.deepestA = trouble.bodyA;
+      report.deepestB = trouble.bodyB;
+    }
+    if (deepest > world.options.deepOverlap) report.add(trouble);
   }
 
   // Bodies: one comparison catches speeds that are too large and those that are not numbers.

@@ -94,7 +94,7 @@ struct World {
     std::vector<SmoothTouch> touches;  ///< of briefs, unless they are of balls
     /// Only cuboids or only polyhedra meet here, and this finds their contacts in batches; null: pair by pair.
     void (*find)(std::size_t chunk, World& world) = nullptr;
-    std::vector<ContactPull> pulls;  ///< of contacts, or of briefs
+    std::vector<ContactPull> pulls;  ///< of contacts or of briefs; none if World::addsAtOnce
     NarrowCounts counts;
     double deepest = 0;                 ///< largest overlap over size in this chunk
     std::int32_t uncertifiedPair = -1;  ///< the first pair whose answer no bound could certify
@@ -133,6 +133,9 @@ struct World {
   std::vector<std::int32_t> met;       ///< slots of the bodies that are part of active pairs
   MotionRows motionRows;               ///< how those move, for laws in lanes
   std::vector<std::int32_t> gathered;  ///< slots whose forces a step sums: the moving, and sleepers near them
+  /// In the present step one thread makes the contacts, and adds what each does to its bodies at once, in the order of
+  /// the contacts: no chunk has pulls. Several threads add them up afterwards, body by body.
+  bool addsAtOnce = false;
   /// Sums of the contacts a body at rest has with others at rest, which keep their force; empty unless bodies sleep.
   std::vector<Vec3> heldForce, heldTorque;
   std::vector<double> load;  ///< weight plus half the sum of the contact forces of each moving body, N; for sleep alone
@@ -192,6 +195,12 @@ struct World {
     }
   }
   std::size_t contactCount() const;
+  /// Slots of the bodies of contact k of a chunk, as in Contact.
+  std::array<std::int32_t, 2> partiesOf(const Chunk& chunk, std::size_t k) const {
+    if (chunk.briefs.empty()) return {chunk.contacts[k].a, chunk.contacts[k].b};
+    const Pair& pair = pairs.pairs[static_cast<std::size_t>(chunk.briefs[k].pair)];
+    return {pair.a, pair.b};
+  }
   /// What a pair with one contact remembers; index: in pairs.
   const ContactHistory& historyOf(std::int32_t index) const;
   /// Contact k of those in short of a chunk, in full.

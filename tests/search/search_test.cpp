@@ -12,8 +12,11 @@
 namespace granular {
 namespace {
 
+/// What is round is looked for as a ball, or by its box alone as everything else.
+enum class As { boxes, balls };
+
 /// Bodies at random places of a box, some fast.
-Bodies makeBodies(int count, double width, const Shape& shape, Random& random) {
+Bodies makeBodies(int count, double width, const Shape& shape, Random& random, As as = As::boxes) {
   Bodies bodies;
   for (int k = 0; k < count; ++k) {
     NewBody body;
@@ -21,7 +24,8 @@ Bodies makeBodies(int count, double width, const Shape& shape, Random& random) {
     body.pose.x = Vec3(random.uniform(0, width), random.uniform(0, width), random.uniform(0, width));
     body.pose.q = random.rotation();
     body.velocity = random.direction() * random.uniform(0, 2);
-    bodies.add(body, shape);
+    const std::size_t slot = bodies.add(body, shape);
+    if (as == As::balls) bodies.turnAsBall(slot, false);
   }
   return bodies;
 }
@@ -87,10 +91,10 @@ Search forgetWhoStayed(Search& search, const SearchOptions& options, const Bodie
 }
 
 /// Moves a few of many bodies about for many refreshes; the list must be that of a search that looks at everybody.
-void compareWithFullSearches(const SearchOptions& options) {
+void compareWithFullSearches(const SearchOptions& options, As as) {
   Random random(5);
   const Sphere sphere(1e-3);
-  Bodies bodies = makeBodies(400, 0.02, sphere, random);
+  Bodies bodies = makeBodies(400, 0.02, sphere, random, as);
   for (std::size_t i = 0; i < 40; ++i) bodies.hold(10 * i, BodyState::frozen);
   Search search(options);
   PairList list;
@@ -121,18 +125,22 @@ void compareWithFullSearches(const SearchOptions& options) {
   EXPECT_GT(came, 500u);
 }
 
-TEST(Search, AtTheCostOfAFewFindsThePairsOfAll) { compareWithFullSearches({}); }
+TEST(Search, AtTheCostOfAFewFindsThePairsOfAll) {
+  compareWithFullSearches({}, As::boxes);
+  compareWithFullSearches({}, As::balls);
+}
 
 TEST(Search, AtTheCostOfAFewFindsThePairsOfAllAcrossPeriods) {
   SearchOptions options;
   options.periods.length = Vec3(0.02, 0.02, 0);
-  compareWithFullSearches(options);
+  compareWithFullSearches(options, As::boxes);
+  compareWithFullSearches(options, As::balls);
 }
 
-TEST(Search, NoOverlappingPairIsMissedWhileBodiesMoveWithinTheirSkin) {
+void lookForMissedPairs(As as) {
   Random random(2);
   const Sphere sphere(1e-3);
-  Bodies bodies = makeBodies(300, 0.02, sphere, random);
+  Bodies bodies = makeBodies(300, 0.02, sphere, random, as);
   SearchOptions options;
   Search search(options);
   PairList list;
@@ -159,12 +167,48 @@ TEST(Search, NoOverlappingPairIsMissedWhileBodiesMoveWithinTheirSkin) {
   }
   EXPECT_LT(refreshed, 100);
 }
+TEST(Search, NoOverlappingPairIsMissedWhileBodiesMoveWithinTheirSkin) {
+  lookForMissedPairs(As::boxes);
+  lookForMissedPairs(As::balls);
+}
 
-TEST(Search, PeriodicImagesAreFoundOnceEach) {
+TEST(Search, BallsAreListedIfTheyMayMeetBeforeTheNextSearchAndOnlyThen) {
+  Random random(6);
+  const double width = 0.02;
+  const Sphere sphere(1e-3);
+  for (const double period : {0.0, width}) {
+    const Bodies bodies = makeBodies(300, width, sphere, random, As::balls);
+    SearchOptions options;
+    options.periods.length = Vec3(period, period, 0);
+    Search search(options);
+    PairList list;
+    search.refreshPairs(bodies, 1e-5, 0, list);
+    const std::set<Key> keys = keysOf(list);
+    std::size_t expected = 0;
+    for (std::int32_t i = 0; i < 300; ++i) {
+      for (std::int32_t j = i + 1; j < 300; ++j) {
+        const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+        Vec3 between = bodies.x[b] - bodies.x[a];
+        Image image{0, 0, 0};
+        for (int k = 0; k < 2 && period > 0; ++k) {
+          image[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(-std::round(between[k] / period));
+        }
+        between += options.periods.shift(image);
+        const bool may = between.norm() <= 2 * sphere.boundingRadius() + search.margin(a) + search.margin(b);
+        ASSERT_EQ(keys.count({i, j, image}) == 1, may) << i << " " << j;
+        expected += may;
+      }
+    }
+    EXPECT_EQ(keys.size(), expected);
+    EXPECT_GT(expected, 300u);
+  }
+}
+
+void lookForImages(As as) {
   Random random(3);
   const double width = 0.01;
   const Sphere sphere(0.8e-3);
-  Bodies bodies = makeBodies(150, width, sphere, random);
+  Bodies bodies = makeBodies(150, width, sphere, random, as);
   // Some bodies have left the domain: their images must still be found.
   for (std::size_t i = 0; i < bodies.size(); i += 5) {
     bodies.x[i] += Vec3(3 * width, -width, 0);
@@ -195,6 +239,10 @@ TEST(Search, PeriodicImagesAreFoundOnceEach) {
   }
   EXPECT_EQ(touching.size(), expected);
   EXPECT_GT(expected, 50u);
+}
+TEST(Search, PeriodicImagesAreFoundOnceEach) {
+  lookForImages(As::boxes);
+  lookForImages(As::balls);
 }
 
 TEST(Search, RestoredBetweenARemovalAndTheNextSearchBeginsAnew) {

@@ -37,6 +37,7 @@ void stepAndCompare(World& world, double dt, Tally& tally) {
   predict(dt, world);
   refreshPairs(dt, world);
   compareLists(world, tally);
+  beginForces(world);
   makeContacts(dt, world);
   gatherForces(world);
   advance(dt, world.options, world.bodies);
