@@ -225,14 +225,13 @@ void stage(benchmark::State& state, Run run) {
   for (auto _ : state) run(world);
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(world.contactCount()));
 }
-/// As several threads do it, by one of them: alone it would add each contact when it is made.
+/// Of contacts that could not be added to their bodies at once.
 void gather(benchmark::State& state) {
-  stage(state, [made = false](World& world) mutable {
-    if (!made) {
-      world.addsAtOnce = false;
-      makeContacts(1e-6, world);
-      made = true;
-    }
+  stage(state, [](World& world) {
+    World::Chunk& chunk = world.chunks[0];
+    if (chunk.pulls.empty()) world.visitContacts([&](const Contact& found) { chunk.pulls.push_back(pullOf(found)); });
+    chunk.lowest = 0;
+    chunk.highest = static_cast<std::int32_t>(world.bodies.size());
     gatherForces(world);
   });
 }

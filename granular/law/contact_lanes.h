@@ -83,7 +83,7 @@ struct ContactLanes {
     dampingRateT[k] = c.parameters.dampingRateT;
     pulledDamping[k] = c.dampingN[1];
   }
-  // Whole registers from lane k on, of as many histories, contacts and pulls as a register has lanes. What is taken
+  // Whole registers from lane k on, of as many histories and contacts as a register has lanes. What is taken
   // goes to the first `some` of them.
   void putHistories(std::size_t k, ContactHistory* const* histories) {
     std::array<const double*, wideSize> from;
@@ -115,14 +115,6 @@ struct ContactLanes {
     for (std::size_t i = 0; i < wideSize; ++i) to[i] = briefs[i]->force.data();
     storeRows<4>({f.x, f.y, f.z, normalForce.load(k)}, to, some);
     for (std::size_t i = 0; i < some; ++i) briefs[i]->sliding = sliding[k + i] != 0;
-  }
-  /// Apart from who they pull.
-  void takePulls(std::size_t k, std::size_t some, ContactPull* const* pulls) const {
-    const Triple<Wide> f = force.load(k), onA = torqueA.load(k), onB = torqueB.load(k);
-    std::array<double*, wideSize> to;
-    for (std::size_t i = 0; i < wideSize; ++i) to[i] = pulls[i]->force.data();
-    storeRows<8>({f.x, f.y, f.z, onA.x, onA.y, onA.z, onB.x, onB.y}, to, some);
-    for (std::size_t i = 0; i < some; ++i) pulls[i]->torqueB.z() = torqueB.z[k + i];
   }
 };
 

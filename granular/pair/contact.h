@@ -36,7 +36,6 @@ struct ContactPull {
 inline ContactPull pullOf(const Contact& contact) {
   return {contact.a, contact.b, contact.force.force, contact.torqueA, contact.torqueB};
 }
-static_assert(offsetof(ContactPull, torqueB) == offsetof(ContactPull, force) + 6 * sizeof(double));  // a row of numbers
 
 /// A contact of two smooth bodies or children in short; the rest of a Contact follows from where the two touch, which
 /// balls tell at any time and a SmoothTouch remembers for others.

@@ -110,30 +110,10 @@ void BriefBatch::store(World::Chunk& chunk) const {
     brief.childB = childB[k];
     brief.held = false;
   }
-  world->addsAtOnce ? addToBodies() : appendPulls(chunk);
-}
-
-/// Contact after contact, as gatherForces does.
-void BriefBatch::addToBodies() const {
-  for (std::size_t k = 0; k < count(); ++k) {
-    const ContactPull pull{a[k], b[k], contacts.force.take(k), contacts.torqueA.take(k), contacts.torqueB.take(k)};
-    addPull(pull, *world, anybody);
-  }
-}
-
-void BriefBatch::appendPulls(World::Chunk& chunk) const {
-  const std::size_t before = chunk.pulls.size();
-  resizeClosely(chunk.pulls, before + count());
-  for (std::size_t k = 0; k < count(); k += wideSize) {
-    const std::size_t some = std::min(wideSize, count() - k);
-    std::array<ContactPull*, wideSize> pulls;
-    for (std::size_t i = 0; i < wideSize; ++i) pulls[i] = &chunk.pulls[before + k + std::min(i, some - 1)];
-    contacts.takePulls(k, some, pulls.data());
-  }
-  for (std::size_t k = 0; k < count(); ++k) {
-    chunk.pulls[before + k].a = a[k];
-    chunk.pulls[before + k].b = b[k];
-  }
+  const auto pull = [this](std::size_t k) {
+    return ContactPull{a[k], b[k], contacts.force.take(k), contacts.torqueA.take(k), contacts.torqueB.take(k)};
+  };
+  deliver(count(), pull, chunk, *world);
 }
 
 Contact World::describeBrief(const Chunk& chunk, std::size_t k) const {

@@ -62,16 +62,14 @@ struct BriefBatch {
   /// Takes out those whose overlap is not above 0, which are the only ones of their pairs, and names these in
   /// Due::apart; the deepest of the others is noted. size: what overlaps are relative to, m.
   void dropApart(const ContactLanes::Lane& size, World::Chunk& chunk);
-  /// The law for all contacts: histories are kept, contacts appended to the chunk. What they do to their bodies is
-  /// added to these (World::addsAtOnce), or appended to the chunk as pulls.
+  /// The law for all contacts: histories are kept, contacts appended to the chunk, and what they do to their bodies is
+  /// delivered.
   void press(World::Chunk& chunk);
 
  private:
   void move(std::size_t from, std::size_t to);
   void load();
   void store(World::Chunk& chunk) const;
-  void addToBodies() const;
-  void appendPulls(World::Chunk& chunk) const;
   void putConstants(std::size_t k, std::int32_t materialA, std::int32_t materialB);
 
   World* world = nullptr;

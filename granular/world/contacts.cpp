@@ -208,19 +208,10 @@ void layOutChunk(std::size_t c, World& world) {
   chunk.due.ofSpheres = chunk.make == makeSphereContacts;
   chunk.lowest = std::numeric_limits<std::int32_t>::max();
   chunk.highest = -1;
-  const auto include = [&](std::int32_t body) {
+  visitBodiesOfChunk(c, world, [&](std::int32_t body) {
     chunk.lowest = std::min(chunk.lowest, body);
     chunk.highest = std::max(chunk.highest, body);
-  };
-  for (std::size_t p = range.first; p < range.last; ++p) {
-    if (atWalls) {
-      include(world.pairs.wallPairs[at(world.activeWallPairs[p])].body);
-      continue;
-    }
-    const Pair& pair = world.pairs.pairs[at(world.activePairs[p])];
-    include(pair.a);
-    include(pair.b);
-  }
+  });
   if (!atWalls) makeDue(world, c);
   trim(chunk.contacts);
   trim(chunk.briefs);
@@ -429,6 +420,7 @@ void layOutContacts(World& world) {
   sumHeldForces(world);
   world.wallChunkBegin = chunkCount(world.activePairs.size());
   world.chunks.resize(world.wallChunkBegin + chunkCount(world.activeWallPairs.size()));
+  world.runs = 0;
   world.pairWay = 0;
   world.quietWay.assign(world.wallChunkBegin * World::chunkSize, infinity);
   for (std::size_t c = 0; c < world.chunks.size(); ++c) layOutChunk(c, world);

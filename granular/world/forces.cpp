@@ -1,8 +1,8 @@
 // Stages of a step that make forces of contacts: the law of each, and the sum on each body.
 #include <algorithm>
+#include <limits>
 
 #include "granular/body/lanes.h"
-#include "granular/core/prefetch.h"
 #include "granular/core/room.h"
 #include "granular/core/share_out.h"
 #include "granular/world/contact_radius.h"
@@ -123,12 +123,10 @@ LawInLanes chooseLanes(const WorldOptions& options) {
 /// The law of every contact of a chunk, many at once.
 void applyLawInLanes(double dt, LawInLanes law, World::Chunk& chunk, World& world) {
   thread_local LawBatch batch;
-  batch.begin(dt, law, world);
-  if (!world.addsAtOnce) resizeClosely(chunk.pulls, chunk.contacts.size());
+  batch.begin(dt, law, chunk, world);
   std::size_t firstOfPair = 0;
   for (std::size_t k = 0; k < chunk.contacts.size(); ++k) {
-    batch.add(chunk.contacts[k], findHistory(world, chunk, k, firstOfPair),
-              world.addsAtOnce ? nullptr : &chunk.pulls[k]);
+    batch.add(chunk.contacts[k], findHistory(world, chunk, k, firstOfPair));
   }
   batch.finish();
 }
@@ -151,11 +149,8 @@ void applyLaw(double dt, World::Chunk& chunk, World& world) {
     law(constants, options.lawOptions, met.a, met.b, met.motion, history, contact.force);
     contact.torqueA = met.a.arm.cross(contact.force.force) + contact.force.couple;
     contact.torqueB = -met.b.arm.cross(contact.force.force) - contact.force.couple;
-    if (world.addsAtOnce) {
-      addPull(pullOf(contact), world, anybody);
-    } else {
-      chunk.pulls.push_back(pullOf(contact));
-    }
+    deliver(
+        1, [&](std::size_t) { return pullOf(contact); }, chunk, world);
     if constexpr (keepsLedger) {
       chunk.accounts[k] = accountContact(options.law, constants, options.lawOptions, met.a, met.b, met.motion, before,
                                          history, contact.force);
@@ -227,34 +222,33 @@ void beginSums(World& world, std::size_t first, std::size_t last) {
               });
 }
 
-/// Adds what contacts do to those bodies that isOwn(slot) names.
-template <class IsOwn>
-void addPulls(const std::vector<ContactPull>& pulls, World& world, const IsOwn& isOwn) {
-  for (const ContactPull& pull : pulls) addPull(pull, world, isOwn);
+/// Which run of chunks names each body first, for so many runs.
+void layOutRuns(std::size_t runs, World& world) {
+  world.runs = runs;
+  for (World::Chunk& chunk : world.chunks) chunk.run = 0;
+  discard(world.firstRun);
+  if (runs == 1) return;
+  constexpr std::uint16_t none = std::numeric_limits<std::uint16_t>::max();
+  world.firstRun.assign(world.bodies.size(), none);
+  for (std::size_t run = 0; run < runs; ++run) {
+    const std::size_t end = beginOfRun(run + 1, runs, world.chunks.size());
+    for (std::size_t c = beginOfRun(run, runs, world.chunks.size()); c < end; ++c) {
+      world.chunks[c].run = run;
+      visitBodiesOfChunk(c, world, [&](std::int32_t body) {
+        std::uint16_t& first = world.firstRun[at(body)];
+        if (first == none) first = static_cast<std::uint16_t>(run);
+      });
+    }
+  }
 }
 
-/// Forces of all bodies. Each thread has a run of them and goes through the contacts of the chunks that name any, in
-/// the order of the pairs: each body's sum is the same to the bit.
-void sumForces(World& world) {
-  const std::size_t count = world.gathered.size();
-  const std::size_t runs =
-      count >= bodiesForThreads && world.chunks.size() > 1 ? static_cast<std::size_t>(omp_get_max_threads()) : 1;
-  const bool fetches = world.bodies.size() >= bodiesBeyondCaches;
-  const auto begin = [&](std::size_t run) { return run == runs ? count : run * (count / wideSize) / runs * wideSize; };
-  shareOutEvenly(runs, runs > 1, [&](std::size_t run) {
-    const std::size_t first = begin(run), last = begin(run + 1);
-    if (first == last) return;
-    beginSums(world, first, last);
-    const std::int32_t lowest = world.gathered[first], highest = world.gathered[last - 1];
-    const auto isOwn = [=](std::int32_t body) { return lowest <= body && body <= highest; };
-    for (std::size_t c = 0; c < world.chunks.size(); ++c) {
-      const World::Chunk& chunk = world.chunks[c];
-      if (chunk.highest < lowest || highest < chunk.lowest) continue;
-      if (fetches && c + 1 < world.chunks.size()) fetchAll(world.chunks[c + 1].pulls);
-      isOwn(chunk.lowest) && isOwn(chunk.highest) ? addPulls(chunk.pulls, world, anybody)
-                                                  : addPulls(chunk.pulls, world, isOwn);
-    }
-  });
+/// Adds what is left of the pulls of all chunks to bodies from slot `lowest` to slot `highest`.
+void addPulls(std::int32_t lowest, std::int32_t highest, World& world) {
+  const auto isOwn = [=](std::int32_t body) { return lowest <= body && body <= highest; };
+  for (const World::Chunk& chunk : world.chunks) {
+    if (chunk.highest < lowest || highest < chunk.lowest) continue;
+    for (const ContactPull& pull : chunk.pulls) addPull(pull, world, isOwn);
+  }
 }
 
 }  // namespace
@@ -282,13 +276,23 @@ void applyForceLaws(double dt, std::size_t c, World& world) {
 
 void beginForces(World& world) {
   if (world.options.sleep.on) world.load.resize(world.bodies.size());
-  const bool small = world.chunks.size() < chunksForThreads && world.gathered.size() < bodiesForThreads;
-  world.addsAtOnce = small || omp_get_max_threads() == 1;
-  if (world.addsAtOnce) beginSums(world, 0, world.gathered.size());
+  const bool shared = world.chunks.size() >= chunksForThreads;
+  const std::size_t runs = shared ? static_cast<std::size_t>(omp_get_max_threads()) : 1;
+  if (runs != world.runs) layOutRuns(runs, world);
+  const std::size_t count = world.gathered.size();
+  const std::size_t parts = count >= bodiesForThreads ? static_cast<std::size_t>(omp_get_max_threads()) : 1;
+  const auto begin = [&](std::size_t k) { return k == parts ? count : k * (count / wideSize) / parts * wideSize; };
+  shareOutEvenly(parts, parts > 1, [&](std::size_t k) { beginSums(world, begin(k), begin(k + 1)); });
 }
 
 void gatherForces(World& world) {
-  if (!world.addsAtOnce) sumForces(world);
+  std::size_t left = 0;
+  for (const World::Chunk& chunk : world.chunks) left += chunk.pulls.size();
+  const std::size_t parts = left >= pullsForThreads ? static_cast<std::size_t>(omp_get_max_threads()) : 1;
+  const auto begin = [&](std::size_t k) {
+    return static_cast<std::int32_t>(beginOfRun(k, parts, world.bodies.size()));
+  };
+  if (left > 0) shareOutEvenly(parts, parts > 1, [&](std::size_t k) { addPulls(begin(k), begin(k + 1) - 1, world); });
 
   // Walls are few: their sums run over all their contacts in order.
   world.wallForces.assign(world.walls.size(), Vec3::Zero());

@@ -59,8 +59,9 @@ std::int32_t putContact(const World& world, const Contact& contact, std::size_t 
 
 }  // namespace
 
-void LawBatch::begin(double dt, LawInLanes chosen, World& of) {
+void LawBatch::begin(double dt, LawInLanes chosen, World::Chunk& into, World& of) {
   world = &of;
+  chunk = &into;
   law = chosen;
   lanes.count = 0;
   lanes.dt = dt;
@@ -72,30 +73,16 @@ void LawBatch::begin(double dt, LawInLanes chosen, World& of) {
     lanes.putConstants(k, of.materials.constants(0, 0), of.options.lawOptions.tension, elastic);
 }
 
-void LawBatch::add(Contact& contact, ContactHistory& history, ContactPull* pull) {
+void LawBatch::add(Contact& contact, ContactHistory& history) {
   const std::size_t k = lanes.count++;
   contacts[k] = &contact;
   histories[k] = &history;
-  pulls[k] = pull;
   __builtin_prefetch(&history);  // read when the batch is full
   if (lanes.count == capacity) finish();
 }
 
 void LawBatch::putRadii() {
   for (std::size_t k = 0; k < lanes.count; ++k) lanes.radius[k] = contactRadius(*world, *contacts[k]);
-}
-
-void LawBatch::addToBodies() {
-  for (std::size_t k = 0; k < lanes.count; ++k) addPull(pullOf(*contacts[k]), *world, anybody);
-}
-
-void LawBatch::takePulls() {
-  for (std::size_t k = 0; k < lanes.count; k += wideSize)
-    lanes.takePulls(k, std::min(wideSize, lanes.count - k), &pulls[k]);
-  for (std::size_t k = 0; k < lanes.count; ++k) {
-    pulls[k]->a = contacts[k]->a;
-    pulls[k]->b = contacts[k]->b;
-  }
 }
 
 void LawBatch::finish() {
@@ -105,7 +92,6 @@ void LawBatch::finish() {
   for (std::size_t k = count; k % wideSize != 0; ++k) {
     contacts[k] = contacts[count - 1];
     histories[k] = histories[count - 1];
-    pulls[k] = pulls[count - 1];
   }
   for (std::size_t k = 0; k < count; k += wideSize) {
     putBodies(*world, &contacts[k], k, lanes);
@@ -128,7 +114,8 @@ void LawBatch::finish() {
     lanes.takeForces(k, some, &contacts[k]);
     lanes.takeHistories(k, some, &histories[k]);
   }
-  world->addsAtOnce ? addToBodies() : takePulls();
+  deliver(
+      count, [this](std::size_t k) { return pullOf(*contacts[k]); }, *chunk, *world);
   lanes.count = 0;
 }
 

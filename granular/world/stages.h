@@ -1,6 +1,8 @@
 // The stages of a step. Each reads what the one before it wrote; tests and benchmarks may call them one by one.
 #pragma once
 
+#include <algorithm>
+
 #include "granular/world/world.h"
 
 namespace granular {
@@ -8,6 +10,7 @@ namespace granular {
 /// Below these a stage runs on one thread: waking the others would take longer than they save. Results are the same.
 inline constexpr std::size_t chunksForThreads = 8;    ///< of World::chunkSize pairs
 inline constexpr std::size_t bodiesForThreads = 512;  ///< that move
+inline constexpr std::size_t pullsForThreads = 2048;  ///< left for gatherForces
 
 /// From so many bodies on what a step reads and writes does not stay in a core's caches, and is asked for ahead.
 inline constexpr std::size_t bodiesBeyondCaches = 4096;
@@ -40,7 +43,7 @@ void findContacts(std::size_t c, World& world);
 void placeContactPoints(std::size_t c, World& world);
 /// Force and couple of each contact of chunk c, and its history.
 void applyForceLaws(double dt, std::size_t c, World& world);
-/// Whether what contacts do is added to their bodies at once (World::addsAtOnce); then forces begin here, with weights.
+/// Forces of the step: weights, and who adds what to them (World::firstRun).
 void beginForces(World& world);
 /// Adds what a contact does to those of its bodies that isOwn(slot) names.
 template <class IsOwn>
@@ -64,8 +67,27 @@ void addPull(const ContactPull& pull, World& world, const IsOwn& isOwn) {
     if (loads) world.load[b] += half;
   }
 }
-inline constexpr auto anybody = [](std::int32_t) { return true; };
-/// Sums forces and torques on each body in the order of its pairs, gravity first, unless they were added at once.
+/// Adds what it may to the bodies, and leaves the rest to gatherForces: of a chunk that is not of the first run.
+inline void share(ContactPull pull, World::Chunk& chunk, World& world) {
+  constexpr std::int32_t nobody = -1;
+  if (chunk.addsAtOnce) {
+    const auto isOwn = [&](std::int32_t body) { return world.firstRun[static_cast<std::size_t>(body)] == chunk.run; };
+    addPull(pull, world, isOwn);
+    if (isOwn(pull.a)) pull.a = nobody;
+    if (pull.b >= 0 && isOwn(pull.b)) pull.b = nobody;
+    if (pull.a < 0 && pull.b < 0) return;
+  }
+  chunk.pulls.push_back(pull);
+}
+/// Delivers pullOf(k) of the next `count` contacts of a chunk to their bodies: at once, or later by gatherForces.
+template <class PullOf>
+void deliver(std::size_t count, const PullOf& pullOf, World::Chunk& chunk, World& world) {
+  const bool first = chunk.addsAtOnce && chunk.run == 0;
+  for (std::size_t k = 0; first && k < count; ++k) addPull(pullOf(k), world, [](std::int32_t) { return true; });
+  for (std::size_t k = 0; !first && k < count; ++k) share(pullOf(k), chunk, world);
+}
+/// Ends the sums of forces and torques: those that were not added at once come after those that were, so that each
+/// body's are summed in the order of its pairs, weight first.
 void gatherForces(World& world);
 /// Takes from the forces and torques of the bodies from slot `first` on what their locks forbid. Nothing unless a body
 /// has locks.
@@ -92,6 +114,24 @@ void watch(World& world);
 
 /// Names bodies whose centre is behind a wall of the vessel. Not part of a step: a run looks now and then.
 void checkDomain(World& world);
+
+/// Calls visit(slot) for the bodies of the pairs of chunk c, some of them several times.
+template <class Visitor>
+void visitBodiesOfChunk(std::size_t c, const World& world, const Visitor& visit) {
+  const bool atWalls = c >= world.wallChunkBegin;
+  const auto& active = atWalls ? world.activeWallPairs : world.activePairs;
+  const std::size_t first = (atWalls ? c - world.wallChunkBegin : c) * World::chunkSize;
+  const std::size_t last = std::min(first + World::chunkSize, active.size());
+  for (std::size_t p = first; p < last; ++p) {
+    const auto index = static_cast<std::size_t>(active[p]);
+    if (atWalls) {
+      visit(world.pairs.wallPairs[index].body);
+      continue;
+    }
+    visit(world.pairs.pairs[index].a);
+    visit(world.pairs.pairs[index].b);
+  }
+}
 
 /// Empties chunk c, keeping its memory.
 World::Chunk& startChunk(World& world, std::size_t c);

@@ -63,7 +63,8 @@ class LapTimer {
 void makeContacts(double dt, World& world) {
   if (!rowsOfPredict(world)) layOutMotion(world);
   const bool timed = isTimed(world);
-  shareOut(world.chunks.size(), world.chunks.size() >= chunksForThreads, [&](std::size_t c) {
+  shareOut(world.chunks.size(), world.chunks.size() >= chunksForThreads, [&](std::size_t c, bool own) {
+    world.chunks[c].addsAtOnce = own;
     auto& seconds = world.chunks[c].seconds;
     seconds = {};
     Stopwatch watch(timed);

@@ -94,7 +94,9 @@ struct World {
     std::vector<SmoothTouch> touches;  ///< of briefs, unless they are of balls
     /// Only cuboids or only polyhedra meet here, and this finds their contacts in batches; null: pair by pair.
     void (*find)(std::size_t chunk, World& world) = nullptr;
-    std::vector<ContactPull> pulls;  ///< of contacts or of briefs; none if World::addsAtOnce
+    std::size_t run = 0;             ///< of World::runs
+    bool addsAtOnce = true;          ///< in the present step it is made by the thread of its run, in order
+    std::vector<ContactPull> pulls;  ///< of contacts or of briefs: what could not be added at once
     NarrowCounts counts;
     double deepest = 0;                 ///< largest overlap over size in this chunk
     std::int32_t uncertifiedPair = -1;  ///< the first pair whose answer no bound could certify
@@ -133,9 +135,11 @@ struct World {
   std::vector<std::int32_t> met;       ///< slots of the bodies that are part of active pairs
   MotionRows motionRows;               ///< how those move, for laws in lanes
   std::vector<std::int32_t> gathered;  ///< slots whose forces a step sums: the moving, and sleepers near them
-  /// In the present step one thread makes the contacts, and adds what each does to its bodies at once, in the order of
-  /// the contacts: no chunk has pulls. Several threads add them up afterwards, body by body.
-  bool addsAtOnce = false;
+  /// Each thread makes the contacts of a run of chunks and adds what they do to their bodies at once, in the order of
+  /// the contacts, but for bodies that an earlier run names as well: by slot, the first one that does. Empty if there
+  /// is one run; runs = 0: to be laid out anew.
+  std::vector<std::uint16_t> firstRun;
+  std::size_t runs = 0;
   /// Sums of the contacts a body at rest has with others at rest, which keep their force; empty unless bodies sleep.
   std::vector<Vec3> heldForce, heldTorque;
   std::vector<double> load;  ///< weight plus half the sum of the contact forces of each moving body, N; for sleep alone

@@ -188,16 +188,13 @@ TEST_P(LawsInLanes, HaveTheSameBitsAsOneByOne) {
       }
       std::vector<Contact> found(lanes.count);
       std::vector<ContactHistory> kept(lanes.count);
-      std::vector<ContactPull> pulls(lanes.count);
       std::array<Contact*, ContactLanes::capacity> contactAt;
       std::array<ContactHistory*, ContactLanes::capacity> historyAt;
-      std::array<ContactPull*, ContactLanes::capacity> pullAt;
       for (std::size_t k = 0; k < ContactLanes::capacity; ++k) {
         const std::size_t last = std::min(k, lanes.count - 1);
         kept[last] = all[last].history;
         contactAt[k] = &found[last];
         historyAt[k] = &kept[last];
-        pullAt[k] = &pulls[last];
       }
       for (std::size_t k = 0; k < lanes.count; k += wideSize) lanes.putHistories(k, &historyAt[k]);
       law(options, lanes);
@@ -205,7 +202,6 @@ TEST_P(LawsInLanes, HaveTheSameBitsAsOneByOne) {
         const std::size_t some = std::min(wideSize, lanes.count - k);
         lanes.takeForces(k, some, &contactAt[k]);
         lanes.takeHistories(k, some, &historyAt[k]);
-        lanes.takePulls(k, some, &pullAt[k]);
       }
       for (std::size_t k = 0; k < lanes.count; ++k) {
         const Asked& asked = all[k];
@@ -216,9 +212,6 @@ TEST_P(LawsInLanes, HaveTheSameBitsAsOneByOne) {
         const Vec3 torqueB = -asked.b.arm.cross(expected.force) - expected.couple;
         const auto wanted = bitsOf(expected, history, torqueA, torqueB);
         const auto given = bitsOf(found[k].force, kept[k], found[k].torqueA, found[k].torqueB);
-        EXPECT_EQ(pulls[k].force, found[k].force.force);
-        EXPECT_EQ(pulls[k].torqueA, found[k].torqueA);
-        EXPECT_EQ(pulls[k].torqueB, found[k].torqueB);
         ASSERT_EQ(std::memcmp(wanted.data(), given.data(), 8 * wanted.size()), 0)
             << "options " << choice << ", round " << round << ", lane " << k << " of " << lanes.count << ", area "
             << asked.motion.area << ", friction " << asked.constants->parameters.friction << ", forces "
