@@ -23,7 +23,7 @@ import sys
 # Kernels of a scene: functions (by the demangled name), how often a register full of contacts runs through them (of
 # looks at features: the share of contacts that have such a feature in the scene), and through a loop within them.
 BOTH_WAYS = [(r"granular::BriefBatch::load\(\)", 1), (r"granular::BriefBatch::store\(", 1),
-             (r"granular::ContactLanes::Party::put\(", 2), (r"granular::ContactLanes::takePulls\(", 1)]
+             (r"granular::ContactLanes::Party::put\(", 2)]
 LINEAR_LAW = [(r"granular::applyLinearLawInLanes\(", 1), (r"granular::pressAndRub\(granular::LawOptions", 1)]
 PLACE = [(r"^granular::findPress\(", 1), (r"^granular::placePress\(", 1)]
 

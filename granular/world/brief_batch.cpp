@@ -73,6 +73,7 @@ void BriefBatch::press(World::Chunk& chunk) {
   load();
   law(world->options.lawOptions, contacts);
   store(chunk);
+  addToBodies(chunk);
   contacts.count = 0;
 }
 
@@ -110,6 +111,9 @@ void BriefBatch::store(World::Chunk& chunk) const {
     brief.childB = childB[k];
     brief.held = false;
   }
+}
+
+void BriefBatch::addToBodies(World::Chunk& chunk) const {
   const auto pull = [this](std::size_t k) {
     return ContactPull{a[k], b[k], contacts.force.take(k), contacts.torqueA.take(k), contacts.torqueB.take(k)};
   };

@@ -70,6 +70,7 @@ struct BriefBatch {
   void move(std::size_t from, std::size_t to);
   void load();
   void store(World::Chunk& chunk) const;
+  void addToBodies(World::Chunk& chunk) const;
   void putConstants(std::size_t k, std::int32_t materialA, std::int32_t materialB);
 
   World* world = nullptr;
