@@ -179,7 +179,7 @@ std::unique_ptr<World> repeatPatch(const World& patch, int repeats, Random* shuf
     const int tile = static_cast<int>(k / inPatch), column = tile % repeats, row = tile / repeats;
     NewBody body;
     body.shapeIndex = patch.bodies.shapeIndex[i];
-    body.pose = {patch.bodies.x[i] + Vec3(column * period.x(), row * period.y(), 0), patch.bodies.q[i]};
+    body.pose = {patch.bodies.x[i] + Vec3(column * period.x(), row * period.y(), 0), patch.bodies.orientation(i)};
     world->addBody(body);
   }
   return world;

@@ -97,8 +97,7 @@ Settled settleHere(const Settings& settings) {
   startHalfSteps(*world, settings.dt, 0, false);
   for (std::int64_t n = 0; n < steps; ++n) step(*world, settings.dt);
   Settled settled{{}, kineticEnergy(world->bodies), processorTime() - began};
-  for (std::size_t i = 0; i < world->bodies.size(); ++i)
-    settled.poses.push_back({world->bodies.x[i], world->bodies.q[i]});
+  for (std::size_t i = 0; i < world->bodies.size(); ++i) settled.poses.push_back(world->bodies.poseOf(i));
   return settled;
 }
 
@@ -157,7 +156,7 @@ nlohmann::ordered_json judge(const Settings& settings, const Settled& settled) {
   Bed bed;
   for (std::size_t i = 0; i < world->bodies.size(); ++i) {
     bed.shapes.push_back(world->bodies.shape[i]);
-    bed.frames.push_back(world->bodies.frame[i]);
+    bed.frames.push_back(world->bodies.frameOf(i));
   }
   // Up to two thirds of the height of a bed with a fraction of .6.
   const double volume = settings.count * std::pow(settings.side, 3), area = settings.box * settings.box;

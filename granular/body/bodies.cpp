@@ -2,40 +2,74 @@
 
 #include <algorithm>
 #include <numeric>
+#include <type_traits>
 
 #include "granular/core/pick.h"
+#include "granular/core/room.h"
 
 namespace granular {
 
 void Bodies::reserve(std::size_t count) {
-  visitState([&](const char*, auto& column) { column.reserve(count); });
-  frame.reserve(count);
+  visitState([&](const char*, auto& column) {
+    using Row = typename std::remove_reference_t<decltype(column)>::value_type;
+    if constexpr (!std::is_same_v<Row, Quat>) column.reserve(count);  // there may be none
+  });
   boundingRadius.reserve(count);
   shape.reserve(count);
   turning.reserve(count);
   aloft.reserve(count);
 }
 
-std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape) {
+Bodies::Turning Bodies::turningOf(const Shape& bodyShape, const Vec3& moments, Turning ofBalls) {
+  const bool isBall = bodyShape.isRound() && moments.x() == moments.y() && moments.y() == moments.z();
+  return isBall ? ofBalls : Turning::byScheme;
+}
+
+void Bodies::makeOrientations() {
+  if (haveOrientations()) return;
+  q.assign(size(), noTurn);
+  qHalf = q;
+  frame.clear();
+  for (const Vec3& centre : x) frame.emplace_back(Mat3::Identity(), centre);
+}
+
+void Bodies::dropNeedlessOrientations() {
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (!staysUpright(*shape[i], turning[i])) return;
+  }
+  discard(q);
+  discard(qHalf);
+  discard(frame);
+}
+
+std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape, Turning ofBalls) {
   const MassProperties& unit = bodyShape.massProperties();
+  const Vec3 moments = body.density * unit.inertia;
+  const Turning turns = turningOf(bodyShape, moments, ofBalls);
+  const Quat lies = turns == Turning::ball ? Quat::Identity() : body.pose.q.normalized();
+  turning.push_back(turns);
+  const bool upright = staysUpright(bodyShape, turns);
+  if (!upright) makeOrientations();
+  if (!upright || !q.empty()) {
+    q.push_back(lies);
+    qHalf.push_back(lies);
+    frame.emplace_back(Pose{body.pose.x, lies});
+  }
   x.push_back(body.pose.x);
-  q.push_back(body.pose.q.normalized());
   v.push_back(freeTranslation(body.locks, body.velocity));
   w.push_back(freeRotation(body.locks, body.spin));
   vHalf.push_back(v.back());
-  wHalf.push_back(q.back().conjugate() * w.back());
-  qHalf.push_back(q.back());
+  wHalf.push_back(turns == Turning::byScheme ? lies.conjugate() * w.back() : w.back());
   spinHalf.push_back(w.back());
   acceleration.push_back(Vec3::Zero());
   alpha.push_back(Vec3::Zero());
-  frame.emplace_back(Pose{x.back(), q.back()});
   force.push_back(Vec3::Zero());
   torque.push_back(Vec3::Zero());
   travel.push_back(0);
 
   mass.push_back(body.density * unit.volume);
   inverseMass.push_back(1 / mass.back());
-  inertia.push_back(body.density * unit.inertia);
+  inertia.push_back(moments);
   inverseInertia.push_back(inertia.back().cwiseInverse());
   // S 13 with its averages over the surface: <r^2>/<I>, <I> the mean principal moment.
   radiusRatio.push_back(unit.meanSquareRadius / inertia.back().mean());
@@ -46,28 +80,17 @@ std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape) {
   id.push_back(body.id);
   state.push_back(BodyState::moving);
   locks.push_back(body.locks);
-  turning.push_back(Turning::byScheme);
   aloft.push_back(0);
   someLocked = someLocked || body.locks != 0;
   noteChange();
   return size() - 1;
 }
 
-void Bodies::turnAsBall(std::size_t i, bool keepsOrientation) {
-  const Vec3& moments = inertia[i];
-  if (!shape[i]->isRound() || moments.x() != moments.y() || moments.y() != moments.z()) return;
-  turning[i] = keepsOrientation ? Turning::ballWithOrientation : Turning::ball;
-  noteChange();
-  if (keepsOrientation) return;
-  q[i] = qHalf[i] = Quat::Identity();
-  frame[i] = Frame(Pose{x[i], q[i]});
-}
-
 void Bodies::hold(std::size_t i, BodyState as) {
   state[i] = as;
   noteChange();
   v[i] = w[i] = vHalf[i] = wHalf[i] = spinHalf[i] = acceleration[i] = alpha[i] = Vec3::Zero();
-  qHalf[i] = q[i];
+  if (haveOrientations()) qHalf[i] = q[i];
   // A sleeping body stays as light as it is: its neighbours must feel the same contact as before.
   if (as == BodyState::frozen) {
     inverseMass[i] = 0;
@@ -85,13 +108,16 @@ void Bodies::release(std::size_t i) {
 }
 
 void Bodies::rearrange(const std::vector<std::int32_t>& order) {
-  const auto lay = [&](auto& column) { column = pick(column, order); };
+  const auto lay = [&](auto& column) {
+    if (!column.empty()) column = pick(column, order);
+  };
   visitState([&](const char*, auto& column) { lay(column); });
   lay(frame);
   lay(boundingRadius);
   lay(shape);
   lay(turning);
   lay(aloft);
+  dropNeedlessOrientations();
   noteChange();
 }
 
@@ -131,19 +157,25 @@ const Bodies::MovingList& Bodies::listMoving() const {
   return listed;
 }
 
-void Bodies::restoreDerived(const ShapeTable& shapes) {
+void Bodies::restoreDerived(const ShapeTable& shapes, Turning ofBalls) {
   const std::size_t n = x.size();
-  frame.resize(n);
   boundingRadius.resize(n);
   shape.resize(n);
-  turning.assign(n, Turning::byScheme);
+  turning.resize(n);
   aloft.assign(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     shape[i] = shapes[static_cast<std::size_t>(shapeIndex[i])].get();
-    frame[i] = Frame(Pose{x[i], q[i]});
+    turning[i] = turningOf(*shape[i], inertia[i], ofBalls);
     boundingRadius[i] = shape[i]->boundingRadius();
     someLocked = someLocked || locks[i] != 0;
   }
+  makeOrientations();
+  frame.clear();
+  for (std::size_t i = 0; i < n; ++i) {
+    if (turning[i] == Turning::ball) q[i] = qHalf[i] = noTurn;
+    frame.emplace_back(poseOf(i));
+  }
+  dropNeedlessOrientations();
   noteChange();
 }
 

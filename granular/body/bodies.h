@@ -42,18 +42,19 @@ struct NewBody {
 struct Bodies {
   // Hot: state, read and written each step.
   std::vector<Vec3> x;             ///< position at t_n, m
-  std::vector<Quat> q;             ///< orientation at t_n, body to world
   std::vector<Vec3> v;             ///< velocity at t_n (predicted), m/s
   std::vector<Vec3> w;             ///< angular velocity at t_n (predicted), world axes, rad/s
   std::vector<Vec3> vHalf;         ///< velocity at the half step, m/s
   std::vector<Vec3> wHalf;         ///< angular velocity at the half step, body axes (balls: world axes), rad/s
-  std::vector<Quat> qHalf;         ///< orientation at the half step
   std::vector<Vec3> spinHalf;      ///< angular velocity at the half step, world axes, rad/s (for the spring increments)
   std::vector<Vec3> acceleration;  ///< of the last step, world axes, m/s^2
   std::vector<Vec3> alpha;         ///< angular acceleration of the last step, axes as of wHalf, rad/s^2
-  std::vector<Frame> frame;        ///< x and the matrix of q, for the kernels
   std::vector<Vec3> force, torque;  ///< gathered, world axes; torque about the centre of mass
   std::vector<double> travel;       ///< path length of the fastest surface point so far (a bound), m
+  // How bodies lie; empty where all are spheres that nobody follows, whose q stays 1 (orientation(), frameOf()).
+  std::vector<Quat> q;       ///< orientation at t_n, body to world
+  std::vector<Quat> qHalf;   ///< orientation at the half step
+  std::vector<Frame> frame;  ///< x and the matrix of q, for the kernels
 
   // Properties; inverses are 0 for bodies that do not move.
   std::vector<double> mass, inverseMass;      ///< kg, 1/kg
@@ -95,6 +96,14 @@ struct Bodies {
   /// Grows with everybody that comes or goes, or begins or ceases to move.
   std::uint64_t changes() const { return changeCount; }
 
+  /// True if q, q_half and frame hold a row for every body.
+  bool haveOrientations() const { return size() == 0 || !q.empty(); }
+  /// How body i lies at t_n and at the half step; whatever is kept of it.
+  const Quat& orientation(std::size_t i) const { return q.empty() ? noTurn : q[i]; }
+  const Quat& orientationHalf(std::size_t i) const { return qHalf.empty() ? noTurn : qHalf[i]; }
+  Pose poseOf(std::size_t i) const { return {x[i], orientation(i)}; }
+  Frame frameOf(std::size_t i) const { return frame.empty() ? Frame(Mat3::Identity(), x[i]) : frame[i]; }
+
   bool isBall(std::size_t i) const { return turning[i] != Turning::byScheme; }
   /// Of slot i: a spin in the axes of wHalf, in world axes at t_n.
   Vec3 spinToWorld(std::size_t i, const Vec3& spin) const { return isBall(i) ? spin : frame[i].rotate(spin); }
@@ -103,16 +112,13 @@ struct Bodies {
   double kineticEnergy(std::size_t i, const Vec3& velocity, const Vec3& bodySpin) const {
     return 0.5 * (mass[i] * velocity.squaredNorm() + bodySpin.dot(inertia[i].cwiseProduct(bodySpin)));
   }
-  double kineticEnergy(std::size_t i) const { return kineticEnergy(i, v[i], frame[i].unrotate(w[i])); }
+  double kineticEnergy(std::size_t i) const { return kineticEnergy(i, v[i], frameOf(i).unrotate(w[i])); }
 
   /// Makes room for so many bodies in all.
   void reserve(std::size_t count);
-  /// Appends a body; returns its slot. The half steps are started by the integrator.
-  std::size_t add(const NewBody& body, const Shape& bodyShape);
-
-  /// From now on the body in this slot turns as a ball, if it is one; keepsOrientation: and somebody follows how it
-  /// lies.
-  void turnAsBall(std::size_t i, bool keepsOrientation);
+  /// Appends a body; returns its slot. The half steps are started by the integrator. ofBalls: how it turns if it is
+  /// one.
+  std::size_t add(const NewBody& body, const Shape& bodyShape, Turning ofBalls = Turning::byScheme);
 
   /// Takes a body out of the motion: no velocity, infinite mass, until release() gives them back.
   void hold(std::size_t i, BodyState as);
@@ -151,10 +157,20 @@ struct Bodies {
     visit("locks", locks);
   }
 
-  /// Rebuilds what follows from the state: frames, shape pointers, bounding radii. No body is a ball then.
-  void restoreDerived(const ShapeTable& shapes);
+  /// Rebuilds what follows from the state: how bodies turn, frames, shape pointers, bounding radii.
+  void restoreDerived(const ShapeTable& shapes, Turning ofBalls);
 
  private:
+  inline static const Quat noTurn = Quat::Identity();
+  /// How a body of this shape and inertia turns.
+  static Turning turningOf(const Shape& bodyShape, const Vec3& moments, Turning ofBalls);
+  /// True if it needs no row of q, qHalf and frame.
+  static bool staysUpright(const Shape& bodyShape, Turning turns) {
+    return turns == Turning::ball && bodyShape.kind() == ShapeKind::sphere;
+  }
+  /// Makes these columns unless they are there; and drops them if nobody needs them.
+  void makeOrientations();
+  void dropNeedlessOrientations();
   struct MovingList {
     MovingSlots stepped, flying;
   };

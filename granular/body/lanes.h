@@ -35,7 +35,10 @@ class OneBody {
   void write(const Quadruple<double>& q, const Triple<double>& x, std::vector<Frame>& column) const {
     column[i] = Frame(toQuat(q).toRotationMatrix(), toVec3(x));
   }
-  void writePosition(const Triple<double>& x, std::vector<Frame>& column) const { column[i].x = toVec3(x); }
+  /// Nothing where no frames are kept.
+  void writePosition(const Triple<double>& x, std::vector<Frame>& column) const {
+    if (!column.empty()) column[i].x = toVec3(x);
+  }
   void write(const MotionOf<double>& m, std::vector<MotionRow>& column) const {
     column[i].v = toVec3(m.v);
     column[i].w = toVec3(m.w);
@@ -98,6 +101,7 @@ class WideBodies {
     });
   }
   void writePosition(const Triple<Wide>& x, std::vector<Frame>& column) const {
+    if (column.empty()) return;
     double rows[3 * count];
     storeRows(x, rows);
     for (std::size_t k = 0; k < count; ++k) {

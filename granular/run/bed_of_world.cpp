@@ -26,11 +26,11 @@ void addFrozenContacts(const World& world, Bed& bed) {
   for (const Pair& pair : list.pairs) {
     if (!frozen(pair.a) || !frozen(pair.b)) continue;
     const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
-    Frame frameB = awake.frame[b];
+    Frame frameB = awake.frameOf(b);
     frameB.x += options.periods.shift(pair.image);
-    findTouches({*awake.shape[a], awake.frame[a], *awake.shape[b], frameB}, together);
+    findTouches({*awake.shape[a], awake.frameOf(a), *awake.shape[b], frameB}, together);
     for (const auto& [children, touch] : together) {
-      const PlacedChild childA = placeChild(*awake.shape[a], awake.frame[a], children.childA);
+      const PlacedChild childA = placeChild(*awake.shape[a], awake.frameOf(a), children.childA);
       const PlacedChild childB = placeChild(*awake.shape[b], frameB, children.childB);
       ContactPatch patch;
       placeContact(rule, *childA.shape, childA.frame, *childB.shape, childB.frame, touch, patch);
@@ -42,7 +42,7 @@ void addFrozenContacts(const World& world, Bed& bed) {
     if (!frozen(static_cast<std::int32_t>(i))) continue;
     for (const auto& wall : world.walls) {
       touches.clear();
-      touchWall(*wall, ruleAtWalls(rule), *awake.shape[i], awake.frame[i], touches);
+      touchWall(*wall, ruleAtWalls(rule), *awake.shape[i], awake.frameOf(i), touches);
       for (const WallTouch& found : touches) {
         bed.contacts.push_back(
             {static_cast<std::int32_t>(i), -1, found.patch.point, found.normal, Vec3::Zero(), found.overlap});
@@ -60,7 +60,7 @@ Bed makeBed(const World& world, const Vessel& vessel) {
   const Periods& periods = world.options.periods;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     bed.shapes.push_back(bodies.shape[i]);
-    bed.frames.push_back(bodies.frame[i]);
+    bed.frames.push_back(bodies.frameOf(i));
     for (int k = 0; k < 3; ++k) {
       if (periods.length[k] <= 0) continue;
       double& x = bed.frames.back().x[k];

@@ -75,7 +75,7 @@ ContactBody viewBody(const Bodies& bodies, std::int32_t index, const Vec3& point
   body.inverseMass = bodies.inverseMass[i];
   body.radiusRatio = bodies.radiusRatio[i];
   body.arm = point - bodies.x[i];
-  const Mat3& R = bodies.frame[i].R;
+  const Mat3& R = bodies.frameOf(i).R;
   body.inverseInertia = R * bodies.inverseInertia[i].asDiagonal() * R.transpose();
   return body;
 }
@@ -113,7 +113,7 @@ Motion measureMotion(const World& world) {
     const Vec3 spin = bodies.inertia[i].cwiseProduct(bodies.wHalf[i]);
     motion.energy += 0.5 * (bodies.mass[i] * bodies.vHalf[i].squaredNorm() + spin.dot(bodies.wHalf[i]));
     motion.angular += bodies.mass[i] * bodies.x[i].cross(bodies.vHalf[i]);
-    motion.angular += bodies.isBall(i) ? spin : Vec3(bodies.qHalf[i] * spin);
+    motion.angular += bodies.isBall(i) ? spin : Vec3(bodies.orientationHalf(i) * spin);
   }
   return motion;
 }

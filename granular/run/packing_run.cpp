@@ -138,7 +138,7 @@ void PackingRun::placePoses() {
       body.material = settings.materialIndex(material);
       body.density = old.bodies.mass[i] / old.bodies.shape[i]->massProperties().volume;
       body.locks = old.bodies.locks[i];
-      body.pose = {old.bodies.x[i], old.bodies.q[i]};
+      body.pose = old.bodies.poseOf(i);
       state->addBody(body);
     }
   }
@@ -159,7 +159,7 @@ void PackingRun::placePoses() {
   // Whatever was given must not overlap beyond what the scene accepts.
   std::vector<PlacedShape> placed;
   for (std::size_t i = 0; i < state->bodies.size(); ++i)
-    placed.push_back({state->bodies.shape[i], state->bodies.frame[i]});
+    placed.push_back({state->bodies.shape[i], state->bodies.frameOf(i)});
   std::vector<const Wall*> walls;
   for (const auto& wall : state->walls) walls.push_back(wall.get());
   if (placed.empty()) return;
@@ -226,7 +226,7 @@ void PackingRun::insertDue() {
   if (settings.settle.kind == SettleSettings::Kind::freeze && counters.consolidated) freezeConsolidated();
   std::vector<PlacedShape> present;
   for (std::size_t i = 0; i < state->bodies.size(); ++i)
-    present.push_back({state->bodies.shape[i], state->bodies.frame[i]});
+    present.push_back({state->bodies.shape[i], state->bodies.frameOf(i)});
   const std::size_t first = state->bodies.size();
   for (const NewParticle& particle : pour->insert(state->time, counters.consolidated, present)) addParticle(particle);
   takeOut();

@@ -74,7 +74,7 @@ std::vector<double> layerForces(const World& world) {
 std::vector<Pose> posesOf(const Bodies& bodies) {
   std::vector<Pose> poses(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    poses[static_cast<std::size_t>(bodies.id[i])] = {bodies.x[i], bodies.q[i]};
+    poses[static_cast<std::size_t>(bodies.id[i])] = bodies.poseOf(i);
   }
   return poses;
 }

@@ -478,8 +478,7 @@ void describe(Archive& archive, World& world) {
   visitReport(archive, world.report);
   if (!archive.loading()) return;
   checkLoaded(world);
-  world.bodies.restoreDerived(world.shapes);
-  world.findBalls(0);
+  world.bodies.restoreDerived(world.shapes, world.turningOfBalls());
   world.search.restoreBoxes(world.bodies);
   layOutContacts(world);
 }

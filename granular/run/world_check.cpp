@@ -30,10 +30,15 @@ void requireIndex(const std::string& name, std::int64_t index, std::size_t count
 void checkBodies(World& world) {
   Bodies& bodies = world.bodies;
   const std::size_t n = bodies.size();
-  bodies.visitState(
-      [&](const char* name, const auto& column) { requireRows(std::string("bodies/") + name, column.size(), n); });
+  const bool upright = bodies.q.empty() && bodies.qHalf.empty();
+  bodies.visitState([&]<class Row>(const char* name, const std::vector<Row>& column) {
+    if (std::is_same_v<Row, Quat> && upright) return;
+    requireRows(std::string("bodies/") + name, column.size(), n);
+  });
   for (std::size_t i = 0; i < n; ++i) {
     requireIndex("bodies/shape_index", bodies.shapeIndex[i], world.shapes.size());
+    if (upright && world.shapes[static_cast<std::size_t>(bodies.shapeIndex[i])]->kind() != ShapeKind::sphere)
+      refuse(fmt::format("bodies/q is empty, but body {} is no sphere", bodies.id[i]));
     requireIndex("bodies/material", bodies.material[i], static_cast<std::size_t>(world.materials.count()));
     requireIndex("bodies/state", static_cast<int>(bodies.state[i]), static_cast<std::size_t>(BodyState::asleep) + 1);
     requireIndex("bodies/id", bodies.id[i], static_cast<std::size_t>(std::max<std::int64_t>(world.nextId, 0)));

@@ -104,7 +104,7 @@ void Search::placeBounds(const Bodies& bodies, double dt, double wallTravel) {
     const double speed = bodies.vHalf[i].norm() + turning;
     margins[i] = settings.skin * bodies.shape[i]->size() + settings.lookAhead * dt * speed;
     travelAtPlace[i] = bodies.travel[i] + wallTravel;
-    Aabb box = bodies.shape[i]->bounds(bodies.frame[i]).grown(margins[i]);
+    Aabb box = bodies.shape[i]->bounds(bodies.frameOf(i)).grown(margins[i]);
     wraps[i] = Image{0, 0, 0};
     for (int k = 0; k < 3; ++k) {
       const double period = settings.periods.length[k];

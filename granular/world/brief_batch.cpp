@@ -130,8 +130,8 @@ Contact World::describeBrief(const Chunk& chunk, std::size_t k) const {
   contact.spot = {0, brief.childA, brief.childB};
   contact.shift = options.periods.shift(pair.image);
   if (chunk.touches.empty()) {
-    const PlacedBall ballA = placeBall(*bodies.shape[at(pair.a)], bodies.frame[at(pair.a)], brief.childA);
-    Frame frameB = bodies.frame[at(pair.b)];
+    const PlacedBall ballA = placeBall(*bodies.shape[at(pair.a)], bodies.frameOf(at(pair.a)), brief.childA);
+    Frame frameB = bodies.frameOf(at(pair.b));
     frameB.x += contact.shift;
     const PlacedBall ballB = placeBall(*bodies.shape[at(pair.b)], frameB, brief.childB);
     fillBallTouch(lookAtBalls(ballA.centre, ballA.radius, ballB.centre, ballB.radius), ballA.centre, ballA.radius,

@@ -33,7 +33,7 @@ Surface lookAt(const Bodies& bodies, std::int32_t index, std::int32_t child) {
 Curvature curvatureAt(const Bodies& bodies, std::int32_t index, const Surface& surface, const Vec3& n, const Vec3& u) {
   if (surface.ball > 0) return ballCurvature(surface.ball);
   const auto i = static_cast<std::size_t>(index);
-  return curvatureOf(*bodies.shape[i], bodies.frame[i].unrotate(n), bodies.frame[i].unrotate(u));
+  return curvatureOf(*bodies.shape[i], bodies.frameOf(i).unrotate(n), bodies.frameOf(i).unrotate(u));
 }
 
 }  // namespace

@@ -263,7 +263,7 @@ bool beginLook(World& world, std::int32_t index, Look& look) {
   look.travel = bodies.travel[a] + bodies.travel[b];
   look.index = index;
   look.shift = world.options.periods.shift(pair.image);
-  look.frameB = bodies.frame[b];
+  look.frameB = bodies.frameOf(b);
   look.frameB.x += look.shift;
   // Contacts of balls made in batches keep no cache.
   look.touchedBefore =
@@ -276,7 +276,7 @@ bool takeLook(World& world, const Look& look, World::Chunk& chunk, Touch& touch)
   const Pair& pair = world.pairs.pairs[at(look.index)];
   const std::size_t a = at(pair.a), b = at(pair.b);
   return noteUncertified(look, chunk, [&] {
-    return findTouch(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], look.frameB, !world.options.skips.feature,
+    return findTouch(*bodies.shape[a], bodies.frameOf(a), *bodies.shape[b], look.frameB, !world.options.skips.feature,
                      world.pairs.memory.cache[at(pair.slot)], chunk.counts, touch);
   });
 }
@@ -295,7 +295,7 @@ void fetchPair(const World& world, const Pair& pair) {
   const std::size_t a = at(pair.a), b = at(pair.b);
   __builtin_prefetch(&world.pairs.memory.cache[at(pair.slot)]);
   for (const std::size_t i : {a, b}) {
-    __builtin_prefetch(&bodies.frame[i]);
+    if (!bodies.frame.empty()) __builtin_prefetch(&bodies.frame[i]);
     if (const PolyhedronTables* tables = tablesOf(*bodies.shape[i])) tables->fetchAhead();
   }
 }
@@ -318,7 +318,7 @@ void endLook(World& world, const Look& look, bool touching, const Touch& touch, 
   std::array<ManifoldContact, 4> several;
   int count = 1;
   if (world.options.rule.rule == PointRule::manifold) {
-    count = refreshManifold(*bodies.shape[a], bodies.frame[a], *bodies.shape[b], look.frameB, touch,
+    count = refreshManifold(*bodies.shape[a], bodies.frameOf(a), *bodies.shape[b], look.frameB, touch,
                             world.pairs.memory.manifolds[at(pair.slot)].manifold, several);
   } else {
     several[0] = {touch, 0, 1};
@@ -368,7 +368,7 @@ void lookAtWallPair(World& world, std::int32_t index, World::Chunk& chunk) {
   const Wall& wall = *world.walls[at(pair.wall)];
   if (world.anyClump && asClump(*bodies.shape[i])) return lookAtClumpAtWall(world, index, travel, chunk);
   chunk.wallTouches.clear();
-  wall.touch(ruleAtWalls(world.options.rule), *bodies.shape[i], bodies.frame[i], chunk.wallTouches);
+  wall.touch(ruleAtWalls(world.options.rule), *bodies.shape[i], bodies.frameOf(i), chunk.wallTouches);
   if (chunk.wallTouches.empty()) {
     pair.quietUntil = travel + std::max(0.0, wall.clearance(bodies.x[i], bodies.boundingRadius[i]));
     pair.spots.clear();
@@ -458,7 +458,7 @@ void placeContactPoints(std::size_t c, World& world) {
     if (contact.placed) continue;
     const std::size_t a = at(contact.a);
     const std::size_t b = at(contact.b);
-    Frame frameB = bodies.frame[b];
+    Frame frameB = bodies.frameOf(b);
     frameB.x += contact.shift;
     const bool ofBalls = contact.spot.childA >= 0 && contact.spot.childB >= 0;
     if (ofBalls && rule.rule != PointRule::faceCentroid) {
@@ -466,12 +466,12 @@ void placeContactPoints(std::size_t c, World& world) {
       continue;
     }
     if (contact.spot.ofClump()) {
-      const PlacedChild childA = placeChild(*bodies.shape[a], bodies.frame[a], contact.spot.childA);
+      const PlacedChild childA = placeChild(*bodies.shape[a], bodies.frameOf(a), contact.spot.childA);
       const PlacedChild childB = placeChild(*bodies.shape[b], frameB, contact.spot.childB);
       placeContact(rule, *childA.shape, childA.frame, *childB.shape, childB.frame, contact.touch, contact.patch);
       continue;
     }
-    placeContact(rule, *bodies.shape[a], bodies.frame[a], *bodies.shape[b], frameB, contact.touch, contact.patch);
+    placeContact(rule, *bodies.shape[a], bodies.frameOf(a), *bodies.shape[b], frameB, contact.touch, contact.patch);
   }
 }
 

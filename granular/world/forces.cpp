@@ -24,7 +24,7 @@ ContactBody viewBody(const Bodies& bodies, std::size_t i, const Vec3& arm, bool 
   if (readsInertia && bodies.isBall(i)) {
     body.inverseInertia = bodies.inverseInertia[i].asDiagonal();
   } else if (readsInertia) {
-    const Mat3& R = bodies.frame[i].R;
+    const Mat3& R = bodies.frameOf(i).R;
     body.inverseInertia = R * bodies.inverseInertia[i].asDiagonal() * R.transpose();
   }
   return body;

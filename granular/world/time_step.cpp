@@ -187,7 +187,7 @@ TimeStepBound boundOfContacts(const World& world) {
     body.inverseMass = bodies.inverseMass[i];
     body.radiusRatio = bodies.radiusRatio[i];
     body.arm = arm;
-    const Mat3& R = bodies.frame[i].R;
+    const Mat3& R = bodies.frameOf(i).R;
     body.inverseInertia = R * bodies.inverseInertia[i].asDiagonal() * R.transpose();
     return body;
   };

@@ -56,16 +56,14 @@ std::int32_t World::addShape(std::shared_ptr<const Shape> shape) {
 std::size_t World::addBody(NewBody body) {
   land(*this);
   body.id = nextId++;
-  const std::size_t slot = bodies.add(body, *shapes[static_cast<std::size_t>(body.shapeIndex)]);
-  findBalls(slot);
-  if (bodies.isBall(slot)) bodies.wHalf[slot] = bodies.w[slot];
-  return slot;
+  return bodies.add(body, *shapes[static_cast<std::size_t>(body.shapeIndex)], turningOfBalls());
 }
 
-void World::findBalls(std::size_t first) {
+Bodies::Turning World::turningOfBalls() const {
   // A scheme of the user's own turns all bodies.
-  if (options.integrator != SchemeKind::seelen && options.integrator != SchemeKind::spiral) return;
-  for (std::size_t i = first; i < bodies.size(); ++i) bodies.turnAsBall(i, !options.skips.orientation);
+  if (options.integrator != SchemeKind::seelen && options.integrator != SchemeKind::spiral)
+    return Bodies::Turning::byScheme;
+  return options.skips.orientation ? Bodies::Turning::ball : Bodies::Turning::ballWithOrientation;
 }
 
 namespace {

@@ -164,8 +164,8 @@ struct World {
 
   /// Adds a body at time t_n; its half steps start with the next step. Returns its slot.
   std::size_t addBody(NewBody body);
-  /// Finds the balls among the bodies from slot `first` on, whose spins need no scheme (Bodies::turnAsBall).
-  void findBalls(std::size_t first);
+  /// How the balls among the bodies turn: their spins need no scheme.
+  Bodies::Turning turningOfBalls() const;
   /// Adds a shape; returns its index.
   std::int32_t addShape(std::shared_ptr<const Shape> shape);
   /// Removes the marked slots with their pairs. Sleepers that touched one of them wake; other contacts at rest stay,

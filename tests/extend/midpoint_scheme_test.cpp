@@ -46,7 +46,7 @@ Quat turnInWorld(SchemeKind scheme, int steps) {
   world.addBody(body);
   startHalfSteps(world, 0.1 / steps, 0, false);
   for (int n = 0; n < steps; ++n) step(world, 0.1 / steps);
-  return world.bodies.q[0];
+  return world.bodies.orientation(0);
 }
 
 TEST(MidpointScheme, TurnsABlockInAWorldAsTheLibrarysSchemesDo) {

@@ -31,7 +31,7 @@ TEST_F(ClumpRun, ThreeHundredDumbbellsPourIntoAVesselAndRest) {
   EXPECT_TRUE(world.report.troubles.empty());
   EXPECT_LT(world.report.deepestOverlap, 0.1);
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    const Aabb box = world.bodies.shape[i]->bounds(world.bodies.frame[i]);
+    const Aabb box = world.bodies.shape[i]->bounds(world.bodies.frameOf(i));
     EXPECT_GT(box.lo.z(), -2e-4);
     EXPECT_LT(world.bodies.x[i].head<2>().norm(), 12e-3);
   }
@@ -60,7 +60,7 @@ TEST_F(ClumpRun, LockedParticlesStayInTheirPlane) {
   const Bodies& bodies = run.world().bodies;
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(bodies.x[i].y(), 0);
-    EXPECT_LT(std::abs(bodies.frame[i].R(1, 0)) + std::abs(bodies.frame[i].R(1, 2)), 1e-9);
+    EXPECT_LT(std::abs(bodies.frameOf(i).R(1, 0)) + std::abs(bodies.frameOf(i).R(1, 2)), 1e-9);
   }
 }
 

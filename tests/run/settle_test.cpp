@@ -62,7 +62,7 @@ TEST_F(Settle, FrozenBodiesDoNotMove) {
     ++frozen;
     EXPECT_EQ(later.world().bodies.state[i], BodyState::frozen);
     EXPECT_EQ(later.world().bodies.x[i], before.x[i]);
-    EXPECT_EQ(later.world().bodies.q[i].coeffs(), before.q[i].coeffs());
+    EXPECT_EQ(later.world().bodies.orientation(i).coeffs(), before.orientation(i).coeffs());
   }
   EXPECT_GT(frozen, 0u);
   EXPECT_LT(frozen, before.size());

@@ -58,7 +58,7 @@ TEST(UsersShape, TwoHundredPourIntoABox) {
   EXPECT_TRUE(world.report.troubles.empty());
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     const Vec3& x = world.bodies.x[i];
-    ASSERT_TRUE(x.allFinite() && world.bodies.q[i].coeffs().allFinite() && world.bodies.v[i].allFinite());
+    ASSERT_TRUE(x.allFinite() && world.bodies.orientation(i).coeffs().allFinite() && world.bodies.v[i].allFinite());
     EXPECT_GT(x.z(), 0);
     EXPECT_LT(x.head<2>().cwiseAbs().maxCoeff(), half);
   }

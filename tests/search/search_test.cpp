@@ -24,8 +24,7 @@ Bodies makeBodies(int count, double width, const Shape& shape, Random& random, A
     body.pose.x = Vec3(random.uniform(0, width), random.uniform(0, width), random.uniform(0, width));
     body.pose.q = random.rotation();
     body.velocity = random.direction() * random.uniform(0, 2);
-    const std::size_t slot = bodies.add(body, shape);
-    if (as == As::balls) bodies.turnAsBall(slot, false);
+    bodies.add(body, shape, as == As::balls ? Bodies::Turning::ball : Bodies::Turning::byScheme);
   }
   return bodies;
 }
@@ -105,7 +104,7 @@ void compareWithFullSearches(const SearchOptions& options, As as) {
     for (std::size_t i = static_cast<std::size_t>(n % 3) + 1; i < bodies.size(); i += 20) {
       const Vec3 way = 2e-3 * random.uniform() * random.direction();
       bodies.x[i] += way;
-      bodies.frame[i].x = bodies.x[i];
+      if (bodies.haveOrientations()) bodies.frame[i].x = bodies.x[i];
       bodies.travel[i] += way.norm();
     }
     if (n == 30) bodies.release(200);  // at rest among others at rest: nobody looked for its pairs with them
@@ -150,7 +149,7 @@ void lookForMissedPairs(As as) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       bodies.x[i] += dt * bodies.vHalf[i];
       bodies.travel[i] += dt * bodies.vHalf[i].norm();
-      bodies.frame[i].x = bodies.x[i];
+      if (bodies.haveOrientations()) bodies.frame[i].x = bodies.x[i];
     }
     if (search.isDue(bodies, 0)) {
       search.refreshPairs(bodies, dt, 0, list);
@@ -212,7 +211,7 @@ void lookForImages(As as) {
   // Some bodies have left the domain: their images must still be found.
   for (std::size_t i = 0; i < bodies.size(); i += 5) {
     bodies.x[i] += Vec3(3 * width, -width, 0);
-    bodies.frame[i].x = bodies.x[i];
+    if (bodies.haveOrientations()) bodies.frame[i].x = bodies.x[i];
   }
   SearchOptions options;
   options.periods.length = Vec3(width, width, 0);
@@ -284,7 +283,7 @@ TEST(Search, MemoryOfAPairSurvivesARefresh) {
   const std::int32_t slot = list.pairs[1].slot;
   list.memory.history[static_cast<std::size_t>(slot)].twist = 7;
   bodies.x[0].x() -= 5e-3;  // the first pair goes
-  bodies.frame[0].x = bodies.x[0];
+  if (bodies.haveOrientations()) bodies.frame[0].x = bodies.x[0];
   search.refreshPairs(bodies, 1e-6, 0, list);
   ASSERT_EQ(list.pairs.size(), 1u);
   EXPECT_EQ(list.pairs[0].slot, slot);

@@ -18,7 +18,7 @@ std::shared_ptr<const Shape> shapeOf(const char* name, double a, double b, doubl
 bool isFinite(const World& world) {
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     if (!world.bodies.x[i].allFinite() || !world.bodies.v[i].allFinite() || !world.bodies.w[i].allFinite() ||
-        !world.bodies.q[i].coeffs().allFinite())
+        !world.bodies.orientation(i).coeffs().allFinite())
       return false;
   }
   return true;
@@ -94,7 +94,7 @@ TEST(Masses, AMillionfoldLoadRestsOnALightCube) {
   startHalfSteps(*world, dt, 0, true);
   for (int n = 0; n < 20000; ++n) step(*world, dt);
   EXPECT_NEAR(world->bodies.x[1].z(), 3 * half - below - overlap, 1e-4 * overlap);
-  EXPECT_LT((world->bodies.q[1].vec()).norm() + world->bodies.q[0].vec().norm(), 1e-6);
+  EXPECT_LT((world->bodies.orientation(1).vec()).norm() + world->bodies.orientation(0).vec().norm(), 1e-6);
   EXPECT_EQ(world->report.narrow.uncertified, 0u);
 }
 
@@ -119,7 +119,7 @@ TEST(Spins, ThatASchemeCannotHoldAreNamed) {
         EXPECT_NEAR(growth, 1, 1e-4);
       }
       if (isFinite(*world) && !named) {
-        EXPECT_NEAR(world->bodies.q[0].norm(), 1, 1e-12);
+        EXPECT_NEAR(world->bodies.orientation(0).norm(), 1, 1e-12);
       }
     }
   }

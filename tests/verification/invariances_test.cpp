@@ -72,7 +72,7 @@ std::vector<double> trace(const Layout& layout, int steps) {
   for (std::size_t k = 0; k < 6; ++k) {
     const std::size_t i = layout.reversed ? 5 - k : k;
     const Vec3 x = layout.turn.conjugate() * (world->bodies.x[i] - layout.shift) / layout.scale;
-    Quat q = layout.turn.conjugate() * world->bodies.q[i];
+    Quat q = layout.turn.conjugate() * world->bodies.orientation(i);
     for (int c = 0; c < 3; ++c) state.push_back(x[c] / 1.5e-3);
     for (int c = 0; c < 3; ++c) state.push_back(std::copysign(1.0, q.w()) * q.vec()[c]);
   }

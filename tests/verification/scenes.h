@@ -47,7 +47,9 @@ inline void addFloor(World& world) { world.walls.push_back(makePlaneWall(Vec3::Z
 
 /// Velocity and spin (world axes) at the half step: exact once nothing touches.
 inline Vec3 velocityOf(const World& world, std::size_t i) { return world.bodies.vHalf[i]; }
-inline Vec3 spinOf(const World& world, std::size_t i) { return world.bodies.qHalf[i] * world.bodies.wHalf[i]; }
+inline Vec3 spinOf(const World& world, std::size_t i) {
+  return world.bodies.orientationHalf(i) * world.bodies.wHalf[i];
+}
 
 /// Steps until the contact that comes has ended; false if it doesn't within `steps`.
 inline bool runThroughContact(World& world, double dt, std::int64_t steps) {

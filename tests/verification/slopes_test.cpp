@@ -75,7 +75,7 @@ TEST(Slopes, BlockTopplesBeyondItsDiagonal) {
     const double angle = std::atan(.5 * factor);
     auto world = makeBlock(angle, tall, {1e6, .3, .3, 5});
     runFor(*world, stepOf(*world, .05), .25);
-    const double tilt = world->bodies.q[0].angularDistance(Quat::Identity());
+    const double tilt = world->bodies.orientation(0).angularDistance(Quat::Identity());
     verifyThat('d', fmt::format("block b/h = .5 at tan t = {} b/h topples: {}", factor, factor > 1 ? "yes" : "no"),
                (tilt > .1) == (factor > 1), "statics");
   }
@@ -88,7 +88,7 @@ TEST(Slopes, SecondBlockThatTouchesNothingChangesNothing) {
     if (second) place(*world, cuboidOf(flat), {0, .2, 1e-3 + 1e-4});
     runFor(*world, stepOf(*world, .02), .05);
     for (int k = 0; k < 3; ++k) states[second].push_back(world->bodies.x[0][k]);
-    for (int k = 0; k < 4; ++k) states[second].push_back(world->bodies.q[0].coeffs()[k]);
+    for (int k = 0; k < 4; ++k) states[second].push_back(world->bodies.orientation(0).coeffs()[k]);
   }
   verifyThat('d', "a second block far away leaves every bit of the first", states[0] == states[1], "same forces");
 }

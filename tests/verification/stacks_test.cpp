@@ -139,7 +139,9 @@ double dominoTime(double g, double stiffness) {
   double first = 0;
   while (world->time < 1 / std::sqrt(g)) {
     step(*world, dt);
-    const auto fell = [&](std::size_t k) { return world->bodies.q[k].angularDistance(Quat::Identity()) > .3; };
+    const auto fell = [&](std::size_t k) {
+      return world->bodies.orientation(k).angularDistance(Quat::Identity()) > .3;
+    };
     if (first == 0 && fell(1)) first = world->time;
     if (fell(4)) return world->time - first;
   }

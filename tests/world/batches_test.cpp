@@ -399,7 +399,7 @@ TEST_P(Cuboids, InBatchesHaveTheTouchesAndPatchesOfOneByOne) {
       const auto i = static_cast<std::size_t>(pair.body);
       const Shape& shape = *bodies.shape[i];
       const Plane& plane = *world->walls[static_cast<std::size_t>(pair.wall)]->asPlane();
-      const Vec3 deepest = plane.deepest(shape, bodies.frame[i]);
+      const Vec3 deepest = plane.deepest(shape, bodies.frameOf(i));
       const double overlap = plane.depth(deepest);
       const auto at = found.find({pair.body, -1 - pair.wall});
       if (std::abs(overlap) > 1e-14 * shape.size()) {
@@ -409,7 +409,7 @@ TEST_P(Cuboids, InBatchesHaveTheTouchesAndPatchesOfOneByOne) {
       const Contact& contact = *at->second;
       SunkenSurface surface;
       ContactPatch patch;
-      surface.look(options.rule, plane, deepest, shape, bodies.frame[i]);
+      surface.look(options.rule, plane, deepest, shape, bodies.frameOf(i));
       const AreaMoments moments = surface.integrateWhole();
       surface.place(options.rule, moments, overlap, patch);
       EXPECT_EQ(contact.touch.normal, -plane.normal);

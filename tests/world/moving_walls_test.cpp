@@ -68,7 +68,7 @@ TEST(MovingWalls, ThatDriftWithTheBodiesChangeNothing) {
   for (std::size_t i = 0; i < 4; ++i) {
     // Round-off alone: 1e-17 m a step, which a tumbling cube multiplies at each impact.
     EXPECT_LT((moving->bodies.x[i] - drift * moving->time - still->bodies.x[i]).norm(), 1e-11);
-    EXPECT_LT(moving->bodies.q[i].angularDistance(still->bodies.q[i]), 1e-8);
+    EXPECT_LT(moving->bodies.orientation(i).angularDistance(still->bodies.orientation(i)), 1e-8);
   }
 }
 

@@ -102,8 +102,8 @@ TEST(SameAnswer, OfSpheresWhetherSomebodyFollowsHowTheyLieOrNot) {
     for (std::size_t i = 0; i < left->bodies.size(); ++i) {
       EXPECT_EQ(left->bodies.x[i], followed->bodies.x[i]);
       EXPECT_EQ(left->bodies.w[i], followed->bodies.w[i]);
-      EXPECT_EQ(left->bodies.frame[i].R, Mat3::Identity());
-      EXPECT_NE(followed->bodies.frame[i].R, Mat3::Identity());
+      EXPECT_EQ(left->bodies.frameOf(i).R, Mat3::Identity());
+      EXPECT_NE(followed->bodies.frameOf(i).R, Mat3::Identity());
     }
   }
 }

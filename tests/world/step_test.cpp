@@ -84,7 +84,7 @@ std::size_t compareWithFreshSearch(const World& world) {
       NarrowCounts counts;
       Touch touch{Vec3::Zero(), 0, Vec3::Zero(), Vec3::Zero()};
       if (near)
-        findTouch(*bodies.shape[i], bodies.frame[i], *bodies.shape[j], bodies.frame[j], true, cache, counts, touch);
+        findTouch(*bodies.shape[i], bodies.frameOf(i), *bodies.shape[j], bodies.frameOf(j), true, cache, counts, touch);
       const double size = std::min(bodies.shape[i]->size(), bodies.shape[j]->size());
       // A pair within round-off of touching may be called either way: its force is nothing.
       const double overlap = known == found.end() ? 0 : known->second;
@@ -271,7 +271,7 @@ TEST(Law, RadiusOfAContactIsThatOfTheSumOfBothCurvatures) {
     const Shape& shape = *world->bodies.shape[static_cast<std::size_t>(body)];
     const Mat3 plane = Mat3::Identity() - n * n.transpose();
     if (shape.kind() == ShapeKind::sphere) return plane / shape.size();
-    const Frame& frame = world->bodies.frame[static_cast<std::size_t>(body)];
+    const Frame& frame = world->bodies.frameOf(static_cast<std::size_t>(body));
     const Vec3 semi(2.2e-3, 1e-3, 1e-3), local = frame.unrotate(n);
     const Vec3 inverse = semi.cwiseProduct(semi).cwiseInverse();
     return semi.cwiseProduct(local).norm() * (plane * frame.R * inverse.asDiagonal() * frame.R.transpose() * plane);
