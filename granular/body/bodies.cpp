@@ -123,11 +123,13 @@ void Bodies::rearrange(const std::vector<std::int32_t>& order) {
 
 void Bodies::takeOff(const std::vector<std::int32_t>& slots) {
   for (const std::int32_t slot : slots) aloft[static_cast<std::size_t>(slot)] = 1;
+  someAloft = !slots.empty();
   listStale = true;
 }
 
 void Bodies::land() {
   for (const std::int32_t slot : listMoving().flying.all) aloft[static_cast<std::size_t>(slot)] = 0;
+  someAloft = false;
   listStale = true;
 }
 
@@ -163,6 +165,7 @@ void Bodies::restoreDerived(const ShapeTable& shapes, Turning ofBalls) {
   shape.resize(n);
   turning.resize(n);
   aloft.assign(n, 0);
+  someAloft = false;
   for (std::size_t i = 0; i < n; ++i) {
     shape[i] = shapes[static_cast<std::size_t>(shapeIndex[i])].get();
     turning[i] = turningOf(*shape[i], inertia[i], ofBalls);

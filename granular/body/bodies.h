@@ -89,6 +89,7 @@ struct Bodies {
   const std::vector<std::int32_t>& movingSlots() const { return stepped().all; }
   /// Of those that are aloft.
   const MovingSlots& flying() const { return listMoving().flying; }
+  bool anyAloft() const { return someAloft; }
   /// From now on these are aloft; and nobody any more.
   void takeOff(const std::vector<std::int32_t>& slots);
   void land();
@@ -182,7 +183,7 @@ struct Bodies {
   mutable MovingList listed;
   mutable bool listStale = true;
   std::uint64_t changeCount = 0;
-  bool someLocked = false;
+  bool someLocked = false, someAloft = false;
 };
 
 }  // namespace granular

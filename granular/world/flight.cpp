@@ -115,8 +115,8 @@ void fly(const Flight& flight, const WorldOptions& options, Bodies& bodies) {
 /// predicted: to where predict brought the others. False if nobody flies.
 bool bringDown(bool predicted, World& world) {
   Bodies& bodies = world.bodies;
+  if (!bodies.anyAloft()) return false;  // without asking for the lists: these are made anew after everybody who comes
   const std::vector<std::int32_t>& slots = bodies.flying().all;
-  if (slots.empty()) return false;
   World::Aloft& aloft = world.aloft;
   const std::int64_t steps = world.steps - aloft.since;
   if (steps > 0 || predicted) fly({aloft.dt, steps + predicted, steps}, world.options, bodies);
