@@ -71,7 +71,7 @@ std::vector<PoseOverlap> findOverlaps(std::span<const PlacedShape> particles, st
                                       const Periods& periods, double allowed) {
   std::vector<PoseOverlap> deep;
   if (particles.empty()) return deep;
-  const auto broadPhase = makeBulletBroadPhase();
+  const auto broadPhase = makeBoxTree();
   const std::vector<Proxy> proxies = placeProxies(particles, periods, *broadPhase);
   std::vector<std::array<std::int32_t, 2>> candidates;
   broadPhase->collect(candidates);

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <tuple>
 #include <vector>
 
 #include "granular/core/pick.h"
@@ -31,7 +30,9 @@ struct Pair {
 
 /// The order of the pair list.
 inline bool comesBefore(const Pair& p, const Pair& q) {
-  return std::tie(p.a, p.b, p.image) < std::tie(q.a, q.b, q.image);
+  if (p.a != q.a) return p.a < q.a;
+  if (p.b != q.b) return p.b < q.b;
+  return p.image < q.image;
 }
 
 /// History of one contact among several of a pair: walls, clumps and the `manifold` rule.

@@ -1,5 +1,5 @@
-// The broad phase: which bounds overlap? Behind one interface: Bullet's dynamic bounding-volume trees, and every pair
-// against every other as the oracle.
+// The broad phase: which bounds overlap? Behind one interface: a tree of boxes, and every pair against every other as
+// the oracle.
 #pragma once
 
 #include <array>
@@ -16,13 +16,11 @@ class BroadPhase {
   virtual ~BroadPhase() = default;
   /// Puts the bounds of proxy k (0, 1, 2, ...) at box, m; a new k must be the next number.
   virtual void place(std::size_t k, const Aabb& box) = 0;
-  /// Forgets all proxies.
-  virtual void clear() = 0;
-  /// All pairs (k < l) whose boxes overlap, boundaries included, in no particular order. Exact: what the tree returns
-  /// depends on its history and its margins, so each pair is tested against the boxes as given.
+  /// All pairs (k < l) whose boxes overlap, boundaries included, in no particular order. Exact: each pair is
+  /// tested against the boxes as given.
   virtual void collect(std::vector<std::array<std::int32_t, 2>>& out) = 0;
   /// All k whose boxes overlap this one, in the same way.
-  virtual void query(const Aabb& box, std::vector<std::int32_t>& out) const = 0;
+  virtual void query(const Aabb& box, std::vector<std::int32_t>& out) = 0;
   /// The bounds of all proxies as given, m.
   const std::vector<Aabb>& bounds() const { return boxes; }
 
@@ -30,8 +28,7 @@ class BroadPhase {
   std::vector<Aabb> boxes;
 };
 
-/// In Bullet's btDbvt.
-std::unique_ptr<BroadPhase> makeBulletBroadPhase();
+std::unique_ptr<BroadPhase> makeBoxTree();
 std::unique_ptr<BroadPhase> makeBruteForceBroadPhase();
 
 }  // namespace granular

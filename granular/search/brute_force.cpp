@@ -10,7 +10,6 @@ class BruteForceBroadPhase final : public BroadPhase {
     if (k == boxes.size()) boxes.emplace_back();
     boxes[k] = box;
   }
-  void clear() override { boxes.clear(); }
   void collect(std::vector<std::array<std::int32_t, 2>>& out) override {
     out.clear();
     for (std::size_t k = 0; k < boxes.size(); ++k) {
@@ -19,7 +18,7 @@ class BruteForceBroadPhase final : public BroadPhase {
       }
     }
   }
-  void query(const Aabb& box, std::vector<std::int32_t>& out) const override {
+  void query(const Aabb& box, std::vector<std::int32_t>& out) override {
     out.clear();
     for (std::size_t k = 0; k < boxes.size(); ++k) {
       if (boxes[k].overlaps(box)) out.push_back(static_cast<std::int32_t>(k));

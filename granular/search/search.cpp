@@ -47,9 +47,7 @@ void Search::refreshPairs(const Bodies& bodies, double dt, double wallTravel, Pa
   mergePairs(bodies, list);
 }
 
-void Search::makeBroadPhase() {
-  broadPhase = settings.bruteForce ? makeBruteForceBroadPhase() : makeBulletBroadPhase();
-}
+void Search::makeBroadPhase() { broadPhase = settings.bruteForce ? makeBruteForceBroadPhase() : makeBoxTree(); }
 
 void Search::packBoxes() {
   lowest.clear();
@@ -145,7 +143,7 @@ void Search::findPairs(const Bodies& bodies) {
       for (const std::int32_t i : moved) findAtImages(bodies, static_cast<std::size_t>(i));
     }
   }
-  std::sort(found.begin(), found.end(), comesBefore);
+  std::sort(found.begin(), found.end(), [](const Pair& p, const Pair& q) { return comesBefore(p, q); });
   const auto isSame = [](const Pair& p, const Pair& q) { return !comesBefore(p, q) && !comesBefore(q, p); };
   found.erase(std::unique(found.begin(), found.end(), isSame), found.end());  // where both moved
 }

@@ -36,33 +36,73 @@ std::set<Key> keysOf(const PairList& list) {
   return keys;
 }
 
-TEST(BroadPhase, BulletFindsExactlyThePairsOfBruteForceInMetresAtMillimetreSize) {
+/// Boxes of bodies that move about and become more, in the tree and in the oracle: both must find the same.
+struct MovingBoxes {
+  double largest = 1;    ///< size of one box in ten, over that of the others
+  double offset = 0;     ///< of the middle of all, m
+  bool endless = false;  ///< some boxes have no end, and some are not numbers
+};
+void compareWithBruteForce(std::size_t count, const MovingBoxes& moving) {
   Random random(1);
-  const auto bullet = makeBulletBroadPhase();
+  const auto tree = makeBoxTree();
   const auto brute = makeBruteForceBroadPhase();
-  std::vector<Aabb> boxes(400);
-  std::vector<std::array<std::int32_t, 2>> fromBullet, fromBrute;
+  std::vector<std::array<std::int32_t, 2>> fromTree, fromBrute;
+  std::vector<std::int32_t> nearInTree, nearInBrute;
+  std::size_t placed = 0, met = 0;
   for (int round = 0; round < 20; ++round) {
-    for (std::size_t k = 0; k < boxes.size(); ++k) {
-      const Vec3 centre = 0.04 * Vec3(random.uniform(), random.uniform(), random.uniform());
-      boxes[k].lo = centre.array() - 1.5e-3;
-      boxes[k].hi = centre.array() + 1.5e-3;
-      if (round > 0 && random.uniform() < 0.5) continue;  // half of them stay where they are
-      bullet->place(k, boxes[k]);
-      brute->place(k, boxes[k]);
+    const double staying = round % 3 == 0 ? 0.5 : 0.97;  // few that move go another way than many
+    for (std::size_t k = 0; k < placed; ++k) {
+      if (random.uniform() < staying) continue;
+      const double half = 1.5e-3 * random.uniform(1, 2) * (random.uniform() < 0.1 ? moving.largest : 1);
+      const Vec3 centre = Vec3(moving.offset, 0, 0) + 0.04 * Vec3(random.uniform(), random.uniform(), random.uniform());
+      Aabb box{centre.array() - half, centre.array() + half};
+      if (moving.endless && k % 50 == 5) box = {Vec3::Constant(-1e300), Vec3::Constant(1e300)};
+      if (moving.endless && k % 50 == 6) box = {Vec3::Constant(1e300), Vec3::Constant(1.1e300)};
+      if (moving.endless && k % 50 == 7) box.hi.setConstant(infinity);
+      if (moving.endless && k % 50 == 9) box.lo.y() = std::nan("");
+      tree->place(k, box);
+      brute->place(k, box);
     }
-    bullet->collect(fromBullet);
+    // The first ones, then some that come, one by one and at once.
+    const std::size_t all = round == 0 ? count / 2 : std::min(count, placed + (round % 5 == 4 ? count / 4 : 1));
+    for (; placed < all; ++placed) {
+      const Vec3 centre = Vec3(moving.offset, 0, 0) + 0.04 * Vec3(random.uniform(), random.uniform(), random.uniform());
+      tree->place(placed, {centre.array() - 2e-3, centre.array() + 2e-3});
+      brute->place(placed, {centre.array() - 2e-3, centre.array() + 2e-3});
+    }
+    for (std::size_t k = 0; k < placed && round % 2 == 1; k += 7) {
+      tree->query(brute->bounds()[k], nearInTree);
+      brute->query(brute->bounds()[k], nearInBrute);
+      std::sort(nearInTree.begin(), nearInTree.end());
+      ASSERT_EQ(nearInTree, nearInBrute) << round;
+    }
+    tree->collect(fromTree);
     brute->collect(fromBrute);
-    std::sort(fromBullet.begin(), fromBullet.end());
-    std::sort(fromBrute.begin(), fromBrute.end());
-    ASSERT_EQ(fromBullet, fromBrute);
-    ASSERT_FALSE(fromBrute.empty());
-    std::vector<std::int32_t> nearInBullet, nearInBrute;
-    bullet->query(boxes[0], nearInBullet);
-    brute->query(boxes[0], nearInBrute);
-    std::sort(nearInBullet.begin(), nearInBullet.end());
-    ASSERT_EQ(nearInBullet, nearInBrute);
+    std::sort(fromTree.begin(), fromTree.end());
+    ASSERT_EQ(fromTree, fromBrute) << round;
+    met += fromBrute.size();
   }
+  EXPECT_EQ(placed, count);
+  EXPECT_TRUE(met > 0 || count < 10);
+}
+
+TEST(BroadPhase, TheTreeFindsExactlyThePairsOfBruteForceWhateverTheNumberOfBoxes) {
+  for (const std::size_t count : {0, 1, 2, 7, 8, 9, 17, 64, 65, 400, 520}) compareWithBruteForce(count, {});
+}
+
+TEST(BroadPhase, TheTreeFindsExactlyThePairsOfBruteForceOfUnequalFarAndEndlessBoxes) {
+  compareWithBruteForce(400, {.largest = 20});
+  compareWithBruteForce(400, {.offset = 1e5});  // .01 m in single precision, if it were from 0
+  compareWithBruteForce(400, {.offset = -1e12});
+  compareWithBruteForce(400, {.largest = 5, .endless = true});
+}
+
+TEST(BroadPhase, TheTreeFindsBoxesThatAreAllTheSame) {
+  const auto tree = makeBoxTree();
+  for (std::size_t k = 0; k < 100; ++k) tree->place(k, {Vec3::Zero(), Vec3::Zero()});
+  std::vector<std::array<std::int32_t, 2>> pairs;
+  tree->collect(pairs);
+  EXPECT_EQ(pairs.size(), 4950u);
 }
 
 /// A search that remembers as much as a checkpoint does, and so must look at everybody.

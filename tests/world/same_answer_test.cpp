@@ -72,7 +72,7 @@ const auto followOrientations = [](WorldOptions& o) { o.skips.orientation = fals
 const auto oneByOne = [](WorldOptions& o) { o.noBatches = true; };
 const auto everyPairWithEveryOther = [](WorldOptions& o) { o.bruteForce = true; };
 
-TEST(SameAnswer, InBatchesOrNotAndWithBulletsBroadPhaseOrBruteForce) {
+TEST(SameAnswer, InBatchesOrNotAndWithTheBoxTreeOrBruteForce) {
   const auto reference = runWith(asItIs, 2500);
   EXPECT_GT(reference->report.contactSteps, 10000u);
   for (const auto& change : std::vector<std::function<void(WorldOptions&)>>{oneByOne, everyPairWithEveryOther})

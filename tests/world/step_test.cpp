@@ -108,7 +108,7 @@ TEST(Step, SkippingFindsTheSameContactsAsSearchingEveryPairFromNothing) {
   EXPECT_GT(world->report.narrow.warm, 10 * world->report.narrow.searches);
 }
 
-TEST(Step, BulletsBroadPhaseAndBruteForceGiveTheSameBits) {
+TEST(Step, TheBoxTreeAndBruteForceGiveTheSameBits) {
   WorldOptions plain;
   plain.bruteForce = true;
   auto reference = makeHeap(plain, 3);
