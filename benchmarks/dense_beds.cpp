@@ -45,6 +45,13 @@ ShapeSet makeChain(int spheres) {
   return {std::make_shared<Clump>(makeEllipsoidChain(a, b, spheres), Ellipsoid(Vec3(a, b, b)).massProperties())};
 }
 
+/// A cube as a hull of eight points: Bullet's GJK/EPA searches it, and the way of all polyhedra looks at it.
+ShapeSet makeHullOfCube() {
+  std::vector<Vec3> corners;
+  for (int k = 0; k < 8; ++k) corners.push_back(0.5 * diameter * Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
+  return {std::make_shared<Polyhedron>(corners)};
+}
+
 struct Family {
   std::string scene;
   std::function<ShapeSet(std::uint64_t seed)> shapes;
@@ -56,6 +63,7 @@ const std::vector<Family>& families() {
   const auto cubes = [](std::uint64_t) { return ShapeSet{std::make_shared<Cuboid>(Vec3::Constant(diameter / 2))}; };
   static const std::vector<Family> all = {
       {"cubes", cubes, 0.58},
+      {"cube_hulls", [](std::uint64_t) { return makeHullOfCube(); }, 0.58},
       {"spheres", spheres, 0.6},
       {"ellipsoids", [](std::uint64_t) { return ShapeSet{std::make_shared<Ellipsoid>(Vec3(1.5e-3, 1.5e-3, 3e-3))}; },
        0.62},

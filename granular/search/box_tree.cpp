@@ -48,7 +48,7 @@ unsigned bitsOf(const LaneMask& mask) {
 
 /// The lowest lane that is a number.
 float lowest(Lanes x) {
-  x = x == x ? x : infinitely - Lanes{};
+  x = x <= infinitely ? x : infinitely - Lanes{};
   const auto take = [&x](const Lanes& other) { x = other < x ? other : x; };
   take(__builtin_shufflevector(x, x, 4, 5, 6, 7, 0, 1, 2, 3));
   take(__builtin_shufflevector(x, x, 2, 3, 0, 1, 6, 7, 4, 5));
