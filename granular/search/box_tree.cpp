@@ -47,8 +47,8 @@ unsigned bitsOf(const LaneMask& mask) {
 }
 
 /// The lowest lane that is a number.
-float lowest(Lanes x) {
-  x = x <= infinitely ? x : infinitely - Lanes{};
+float lowest(const Lanes& lanes) {
+  Lanes x = lanes <= infinitely ? lanes : infinitely - Lanes{};
   const auto take = [&x](const Lanes& other) { x = other < x ? other : x; };
   take(__builtin_shufflevector(x, x, 4, 5, 6, 7, 0, 1, 2, 3));
   take(__builtin_shufflevector(x, x, 2, 3, 0, 1, 6, 7, 4, 5));
@@ -62,7 +62,7 @@ void visitBits(unsigned bits, const Visit& visit) {
   for (; bits != 0; bits &= bits - 1) visit(static_cast<std::size_t>(__builtin_ctz(bits)));
 }
 
-/// In single precision: no more than x, and no less.
+/// x in single precision, rounded down; and up.
 float atMost(double x) {
   constexpr float largest = std::numeric_limits<float>::max() / 2;
   if (x < -largest) return -infinitely;
@@ -156,7 +156,7 @@ void split(Centre* begin, std::size_t count) {
 class BoxTree final : public BroadPhase {
  public:
   void place(std::size_t k, const Aabb& box) override {
-    if (k == boxes.size()) return boxes.push_back(box);  // the tree is too short then, and made anew when it is asked
+    if (k == boxes.size()) return boxes.push_back(box);  // the trees take it in when they are asked
     boxes[k] = box;
     if (allChanged) return;
     allChanged = static_cast<double>(changed.size()) >= fewChanged * static_cast<double>(boxes.size());
@@ -214,7 +214,10 @@ class BoxTree final : public BroadPhase {
         for (std::size_t n = 0; n < below.size(); ++n) {
           const LooseBox hull = below[n].hull();
           levels[level][n / fan].set(n % fan, hull);
-          for (int k = 0; level == 1 && k < 3; ++k) lowestEdges += hull.hi[k] - hull.lo[k];
+          for (int k = 0; level == 1 && k < 3; ++k) {
+            const float edge = hull.hi[k] - hull.lo[k];
+            if (std::isfinite(edge)) lowestEdges += edge;
+          }
         }
       }
       return lowestEdges;
