@@ -284,8 +284,8 @@ TEST(Clumps, SameBitsForOneTwoAndFourThreads) {
   for (const int threads : {1, 2, 4}) {
     omp_set_num_threads(threads);
     auto world = makeHeap({}, 16, {makeDumbbell(1.2e-3, 1.6e-3), makeHook(0.7e-3)}, false, 3.7e-3);
-    run(*world, 1e-5, 80);
-    EXPECT_GT(world->report.contactSteps, 1000u);
+    run(*world, 2e-6, 400);
+    EXPECT_GT(world->report.contactSteps, 10000u);
     EXPECT_GE(world->chunks.size(), chunksForThreads);
     states.push_back(stateOf(*world));
   }
