@@ -26,9 +26,12 @@ Bodies::Turning Bodies::turningOf(const Shape& bodyShape, const Vec3& moments, T
 }
 
 void Bodies::makeOrientations() {
-  if (haveOrientations()) return;
+  if (!q.empty()) return;
+  q.reserve(x.capacity());
+  qHalf.reserve(x.capacity());
+  frame.reserve(x.capacity());
   q.assign(size(), noTurn);
-  qHalf = q;
+  qHalf.assign(size(), noTurn);
   frame.clear();
   for (const Vec3& centre : x) frame.emplace_back(Mat3::Identity(), centre);
 }
