@@ -123,10 +123,10 @@ void settle(World& world, double dt, int steps, double keep) {
     step(world, dt);
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const double limit = furthest * bodies.shape[i]->size() / dt;
-      const double speed = bodies.vHalf[i].norm();
-      const double turning = bodies.wHalf[i].norm() * bodies.boundingRadius[i];
-      bodies.vHalf[i] *= keep * std::min(1.0, limit / std::max(speed, limit));
-      bodies.wHalf[i] *= keep * std::min(1.0, limit / std::max(turning, limit));
+      const double speed = bodies.vHalf(i).norm();
+      const double turning = bodies.wHalfOf(i).norm() * bodies.boundingRadius(i);
+      bodies.vHalf(i) *= keep * std::min(1.0, limit / std::max(speed, limit));
+      bodies.wHalfOf(i) *= keep * std::min(1.0, limit / std::max(turning, limit));
     }
   }
 }
@@ -187,7 +187,7 @@ std::unique_ptr<World> repeatPatch(const World& patch, int repeats, Random* shuf
     const int tile = static_cast<int>(k / inPatch), column = tile % repeats, row = tile / repeats;
     NewBody body;
     body.shapeIndex = patch.bodies.shapeIndex[i];
-    body.pose = {patch.bodies.x[i] + Vec3(column * period.x(), row * period.y(), 0), patch.bodies.orientation(i)};
+    body.pose = {patch.bodies.x(i) + Vec3(column * period.x(), row * period.y(), 0), patch.bodies.orientation(i)};
     world->addBody(body);
   }
   return world;
@@ -201,8 +201,8 @@ std::unique_ptr<World> makeFreeFall(const Family& family, const BedSettings& set
   std::unique_ptr<World> world = makeWorld(settings.options, shapes);
   addLattice(settings.count, perSide, pitch, 0, random, *world);
   for (std::size_t i = 0; i < world->bodies.size(); ++i) {
-    world->bodies.v[i] = 0.1 * random.direction();
-    world->bodies.w[i] = 10 * random.direction();
+    world->bodies.v(i) = 0.1 * random.direction();
+    world->bodies.w(i) = 10 * random.direction();
   }
   return world;
 }
@@ -241,7 +241,7 @@ std::unique_ptr<World> makeHopper(const Family& family, const BedSettings& setti
   startHalfSteps(*world, dt, 0, false);
   settle(*world, dt, 1500, 0.9);
   letGo(settings.options.gravity, dt, *world);
-  for (auto* speeds : {&world->bodies.v, &world->bodies.w}) std::fill(speeds->begin(), speeds->end(), Vec3::Zero());
+  for (MotionRow& row : world->bodies.motion) row.v = row.w = Vec3::Zero();
   return world;
 }
 
@@ -266,7 +266,7 @@ std::unique_ptr<World> makeStirred(const Family& family, const BedSettings& sett
   startHalfSteps(*world, dt, 0, true);
   for (int n = 0; n < 30000 && !world->bodies.movingSlots().empty(); ++n) step(*world, dt);
   double top = 0;
-  for (const Vec3& x : world->bodies.x) top = std::max(top, x.z());
+  for (const BoundingSphere& sphere : world->bodies.bounds) top = std::max(top, sphere.x.z());
   if (alone) world->removeBodies(std::vector<bool>(world->bodies.size(), true));
   Random random(settings.seed);
   const std::size_t first = world->bodies.size();

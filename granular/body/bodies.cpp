@@ -1,23 +1,43 @@
 #include "granular/body/bodies.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
-#include <type_traits>
 
+#include "granular/core/errors.h"
 #include "granular/core/pick.h"
 #include "granular/core/room.h"
 
 namespace granular {
 
+template <class Visitor>
+void Bodies::visitColumns(Visitor&& visit) {
+  visit(bounds);
+  visit(motion);
+  for (auto* column : {&acceleration, &alpha, &force, &torque}) visit(*column);
+  for (auto* column : {&travel, &mass}) visit(*column);
+  visit(shape);
+  for (auto* column : {&shapeIndex, &material}) visit(*column);
+  visit(id);
+  visit(state);
+  visit(locks);
+  visit(turning);
+  visit(aloft);
+}
+
+template <class Visitor>
+void Bodies::visitColumnsOfSome(Visitor&& visit) {
+  for (auto* column : {&q, &qHalf}) visit(*column);
+  visit(frame);
+  for (auto* column : {&wHalf, &inertia, &inverseInertia}) visit(*column);
+}
+
 void Bodies::reserve(std::size_t count) {
-  visitState([&](const char*, auto& column) {
-    using Row = typename std::remove_reference_t<decltype(column)>::value_type;
-    if constexpr (!std::is_same_v<Row, Quat>) column.reserve(count);  // there may be none
+  visitColumns([&](auto& column) { column.reserve(count); });
+  visitColumnsOfSome([&](auto& column) {
+    if (!column.empty()) column.reserve(count);
   });
-  boundingRadius.reserve(count);
-  shape.reserve(count);
-  turning.reserve(count);
-  aloft.reserve(count);
 }
 
 Bodies::Turning Bodies::turningOf(const Shape& bodyShape, const Vec3& moments, Turning ofBalls) {
@@ -27,22 +47,46 @@ Bodies::Turning Bodies::turningOf(const Shape& bodyShape, const Vec3& moments, T
 
 void Bodies::makeOrientations() {
   if (!q.empty()) return;
-  q.reserve(x.capacity());
-  qHalf.reserve(x.capacity());
-  frame.reserve(x.capacity());
+  q.reserve(bounds.capacity());
+  qHalf.reserve(bounds.capacity());
+  frame.reserve(bounds.capacity());
   q.assign(size(), noTurn);
   qHalf.assign(size(), noTurn);
   frame.clear();
-  for (const Vec3& centre : x) frame.emplace_back(Mat3::Identity(), centre);
+  for (const BoundingSphere& sphere : bounds) frame.emplace_back(Mat3::Identity(), sphere.x);
 }
 
-void Bodies::dropNeedlessOrientations() {
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (!staysUpright(*shape[i], turning[i])) return;
+void Bodies::makeTurnColumns() {
+  for (auto* column : {&wHalf, &inertia, &inverseInertia}) {
+    column->reserve(bounds.capacity());
+    column->resize(size());
   }
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (!isBall(i)) continue;
+    wHalf[i] = wHalfOf(i);
+    inertia[i] = inertiaOf(i);
+    inverseInertia[i] = inverseInertiaOf(i);
+  }
+}
+
+void Bodies::leaveOutNeedless() {
+  bool anyScheme = false, anyTurn = false;
+  for (std::size_t i = 0; i < size(); ++i) {
+    anyScheme = anyScheme || !isBall(i);
+    anyTurn = anyTurn || !staysUpright(*shape[i], turning[i]);
+  }
+  if (!anyScheme) {
+    for (auto* column : {&wHalf, &inertia, &inverseInertia}) discard(*column);
+  }
+  if (anyTurn) return;
   discard(q);
   discard(qHalf);
   discard(frame);
+}
+
+void Bodies::resizeRows(const char* name, std::size_t count, std::vector<MotionRow>& rows) {
+  require(count == rows.size(),
+          fmt::format("checkpoint: world/bodies/{} has {} rows, {} are expected", name, count, rows.size()));
 }
 
 std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape, Turning ofBalls) {
@@ -58,25 +102,25 @@ std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape, Turning ofB
     qHalf.push_back(lies);
     frame.emplace_back(Pose{body.pose.x, lies});
   }
-  x.push_back(body.pose.x);
-  v.push_back(freeTranslation(body.locks, body.velocity));
-  w.push_back(freeRotation(body.locks, body.spin));
-  vHalf.push_back(v.back());
-  wHalf.push_back(turns == Turning::byScheme ? lies.conjugate() * w.back() : w.back());
-  spinHalf.push_back(w.back());
+  if (turns == Turning::byScheme && wHalf.empty()) makeTurnColumns();
+  const Vec3 velocity = freeTranslation(body.locks, body.velocity), spin = freeRotation(body.locks, body.spin);
+  if (turns == Turning::byScheme || !wHalf.empty()) {
+    wHalf.push_back(lies.conjugate() * spin);
+    inertia.push_back(moments);
+    inverseInertia.push_back(moments.cwiseInverse());
+  }
+  const double kilograms = body.density * unit.volume;
+  bounds.push_back({body.pose.x, bodyShape.boundingRadius()});
+  // S 13 with its averages over the surface: <r^2>/<I>, <I> the mean principal moment.
+  motion.push_back(
+      {velocity, spin, unit.meanSquareRadius / moments.mean(), 0, velocity, spin, 1 / kilograms, moments.x()});
   acceleration.push_back(Vec3::Zero());
   alpha.push_back(Vec3::Zero());
   force.push_back(Vec3::Zero());
   torque.push_back(Vec3::Zero());
   travel.push_back(0);
 
-  mass.push_back(body.density * unit.volume);
-  inverseMass.push_back(1 / mass.back());
-  inertia.push_back(moments);
-  inverseInertia.push_back(inertia.back().cwiseInverse());
-  // S 13 with its averages over the surface: <r^2>/<I>, <I> the mean principal moment.
-  radiusRatio.push_back(unit.meanSquareRadius / inertia.back().mean());
-  boundingRadius.push_back(bodyShape.boundingRadius());
+  mass.push_back(kilograms);
   shape.push_back(&bodyShape);
   shapeIndex.push_back(body.shapeIndex);
   material.push_back(body.material);
@@ -92,35 +136,29 @@ std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape, Turning ofB
 void Bodies::hold(std::size_t i, BodyState as) {
   state[i] = as;
   noteChange();
-  v[i] = w[i] = vHalf[i] = wHalf[i] = spinHalf[i] = acceleration[i] = alpha[i] = Vec3::Zero();
+  v(i) = w(i) = vHalf(i) = spinHalf(i) = wHalfOf(i) = acceleration[i] = alpha[i] = Vec3::Zero();
   if (haveOrientations()) qHalf[i] = q[i];
   // A sleeping body stays as light as it is: its neighbours must feel the same contact as before.
   if (as == BodyState::frozen) {
-    inverseMass[i] = 0;
-    inverseInertia[i] = Vec3::Zero();
-    radiusRatio[i] = 0;
+    motion[i].inverseMass = motion[i].radiusRatio = 0;
+    if (!isBall(i)) inverseInertia[i] = Vec3::Zero();
   }
 }
 
 void Bodies::release(std::size_t i) {
   state[i] = BodyState::moving;
   noteChange();
-  inverseMass[i] = 1 / mass[i];
-  inverseInertia[i] = inertia[i].cwiseInverse();
-  radiusRatio[i] = shape[i]->massProperties().meanSquareRadius / inertia[i].mean();
+  motion[i].inverseMass = 1 / mass[i];
+  motion[i].radiusRatio = shape[i]->massProperties().meanSquareRadius / inertiaOf(i).mean();
+  if (!isBall(i)) inverseInertia[i] = inertia[i].cwiseInverse();
 }
 
 void Bodies::rearrange(const std::vector<std::int32_t>& order) {
-  const auto lay = [&](auto& column) {
+  visitColumns([&](auto& column) { column = pick(column, order); });
+  visitColumnsOfSome([&](auto& column) {
     if (!column.empty()) column = pick(column, order);
-  };
-  visitState([&](const char*, auto& column) { lay(column); });
-  lay(frame);
-  lay(boundingRadius);
-  lay(shape);
-  lay(turning);
-  lay(aloft);
-  dropNeedlessOrientations();
+  });
+  leaveOutNeedless();
   noteChange();
 }
 
@@ -163,25 +201,24 @@ const Bodies::MovingList& Bodies::listMoving() const {
 }
 
 void Bodies::restoreDerived(const ShapeTable& shapes, Turning ofBalls) {
-  const std::size_t n = x.size();
-  boundingRadius.resize(n);
+  const std::size_t n = size();
   shape.resize(n);
   turning.resize(n);
   aloft.assign(n, 0);
   someAloft = false;
-  for (std::size_t i = 0; i < n; ++i) {
-    shape[i] = shapes[static_cast<std::size_t>(shapeIndex[i])].get();
-    turning[i] = turningOf(*shape[i], inertia[i], ofBalls);
-    boundingRadius[i] = shape[i]->boundingRadius();
-    someLocked = someLocked || locks[i] != 0;
-  }
   makeOrientations();
   frame.clear();
   for (std::size_t i = 0; i < n; ++i) {
+    shape[i] = shapes[static_cast<std::size_t>(shapeIndex[i])].get();
+    turning[i] = turningOf(*shape[i], inertia[i], ofBalls);
+    bounds[i].radius = shape[i]->boundingRadius();
+    motion[i].inertia = inertia[i].x();
+    if (isBall(i)) spinHalf(i) = wHalf[i];
     if (turning[i] == Turning::ball) q[i] = qHalf[i] = noTurn;
     frame.emplace_back(poseOf(i));
+    someLocked = someLocked || locks[i] != 0;
   }
-  dropNeedlessOrientations();
+  leaveOutNeedless();
   noteChange();
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "granular/body/body_rows.h"
 #include "granular/shape/shape.h"
 
 namespace granular {
@@ -41,26 +42,22 @@ struct NewBody {
 
 struct Bodies {
   // Hot: state, read and written each step.
-  std::vector<Vec3> x;             ///< position at t_n, m
-  std::vector<Vec3> v;             ///< velocity at t_n (predicted), m/s
-  std::vector<Vec3> w;             ///< angular velocity at t_n (predicted), world axes, rad/s
-  std::vector<Vec3> vHalf;         ///< velocity at the half step, m/s
-  std::vector<Vec3> wHalf;         ///< angular velocity at the half step, body axes (balls: world axes), rad/s
-  std::vector<Vec3> spinHalf;      ///< angular velocity at the half step, world axes, rad/s (for the spring increments)
-  std::vector<Vec3> acceleration;  ///< of the last step, world axes, m/s^2
-  std::vector<Vec3> alpha;         ///< angular acceleration of the last step, axes as of wHalf, rad/s^2
-  std::vector<Vec3> force, torque;  ///< gathered, world axes; torque about the centre of mass
-  std::vector<double> travel;       ///< path length of the fastest surface point so far (a bound), m
+  std::vector<BoundingSphere> bounds;  ///< x(), boundingRadius()
+  std::vector<MotionRow> motion;       ///< v(), w(), vHalf(), spinHalf(), inverseMass(), radiusRatio()
+  std::vector<Vec3> acceleration;      ///< of the last step, world axes, m/s^2
+  std::vector<Vec3> alpha;             ///< angular acceleration of the last step, axes as of wHalfOf(), rad/s^2
+  std::vector<Vec3> force, torque;     ///< gathered, world axes; torque about the centre of mass
+  std::vector<double> travel;          ///< path length of the fastest surface point so far (a bound), m
   // How bodies lie; empty where all are spheres that nobody follows, whose q stays 1 (orientation(), frameOf()).
   std::vector<Quat> q;       ///< orientation at t_n, body to world
   std::vector<Quat> qHalf;   ///< orientation at the half step
   std::vector<Frame> frame;  ///< x and the matrix of q, for the kernels
+  // Of bodies that turn by a scheme, body axes; empty where all are balls (wHalfOf(), inertiaOf()).
+  std::vector<Vec3> wHalf;                    ///< angular velocity at the half step, rad/s
+  std::vector<Vec3> inertia, inverseInertia;  ///< principal, kg m^2; the inverse 0 for bodies that are frozen
 
-  // Properties; inverses are 0 for bodies that do not move.
-  std::vector<double> mass, inverseMass;      ///< kg, 1/kg
-  std::vector<Vec3> inertia, inverseInertia;  ///< principal, body axes, kg m^2
-  std::vector<double> radiusRatio;            ///< <r^2>/<I> of S 13, 1/kg
-  std::vector<double> boundingRadius;         ///< m
+  // Properties.
+  std::vector<double> mass;  ///< kg
   std::vector<const Shape*> shape;
   std::vector<std::int32_t> shapeIndex, material;
 
@@ -74,7 +71,23 @@ struct Bodies {
   /// Bodies that move, but not step by step (world/flight.cpp): 1. Nobody is aloft where state is saved.
   std::vector<std::uint8_t> aloft;
 
-  std::size_t size() const { return x.size(); }
+  std::size_t size() const { return bounds.size(); }
+  // What the rows hold of body i.
+  Vec3& x(std::size_t i) { return bounds[i].x; }
+  const Vec3& x(std::size_t i) const { return bounds[i].x; }
+  double boundingRadius(std::size_t i) const { return bounds[i].radius; }
+  Vec3& v(std::size_t i) { return motion[i].v; }
+  const Vec3& v(std::size_t i) const { return motion[i].v; }
+  Vec3& w(std::size_t i) { return motion[i].w; }
+  const Vec3& w(std::size_t i) const { return motion[i].w; }
+  Vec3& vHalf(std::size_t i) { return motion[i].vHalf; }
+  const Vec3& vHalf(std::size_t i) const { return motion[i].vHalf; }
+  /// For the spring increments.
+  Vec3& spinHalf(std::size_t i) { return motion[i].spinHalf; }
+  const Vec3& spinHalf(std::size_t i) const { return motion[i].spinHalf; }
+  double inverseMass(std::size_t i) const { return motion[i].inverseMass; }
+  double radiusRatio(std::size_t i) const { return motion[i].radiusRatio; }
+
   bool moves(std::size_t i) const { return state[i] == BodyState::moving; }
   /// True if any body ever had a lock.
   bool anyLocked() const { return someLocked; }
@@ -97,23 +110,31 @@ struct Bodies {
   /// Grows with everybody that comes or goes, or begins or ceases to move.
   std::uint64_t changes() const { return changeCount; }
 
-  /// True if q, q_half and frame hold a row for every body.
+  /// True if q, qHalf and frame hold a row for every body.
   bool haveOrientations() const { return size() == 0 || !q.empty(); }
   /// How body i lies at t_n and at the half step; whatever is kept of it.
   const Quat& orientation(std::size_t i) const { return q.empty() ? noTurn : q[i]; }
   const Quat& orientationHalf(std::size_t i) const { return qHalf.empty() ? noTurn : qHalf[i]; }
-  Pose poseOf(std::size_t i) const { return {x[i], orientation(i)}; }
-  Frame frameOf(std::size_t i) const { return frame.empty() ? Frame(Mat3::Identity(), x[i]) : frame[i]; }
+  Pose poseOf(std::size_t i) const { return {x(i), orientation(i)}; }
+  Frame frameOf(std::size_t i) const { return frame.empty() ? Frame(Mat3::Identity(), x(i)) : frame[i]; }
 
   bool isBall(std::size_t i) const { return turning[i] != Turning::byScheme; }
-  /// Of slot i: a spin in the axes of wHalf, in world axes at t_n.
+  /// Of body i, at the half step: angular velocity, rad/s; body axes, world axes of a ball.
+  const Vec3& wHalfOf(std::size_t i) const { return isBall(i) ? spinHalf(i) : wHalf[i]; }
+  Vec3& wHalfOf(std::size_t i) { return isBall(i) ? spinHalf(i) : wHalf[i]; }
+  /// Principal moments of inertia, kg m^2, and their inverses (0 for bodies that are frozen); body axes.
+  Vec3 inertiaOf(std::size_t i) const { return isBall(i) ? Vec3::Constant(motion[i].inertia) : inertia[i]; }
+  Vec3 inverseInertiaOf(std::size_t i) const {
+    return isBall(i) ? Vec3::Constant(inverseMass(i) == 0 ? 0 : 1 / motion[i].inertia) : inverseInertia[i];
+  }
+  /// Of slot i: a spin in the axes of wHalfOf(), in world axes at t_n.
   Vec3 spinToWorld(std::size_t i, const Vec3& spin) const { return isBall(i) ? spin : frame[i].rotate(spin); }
 
   /// Of slot i, J: with a velocity in world axes and a spin in body axes, and with those at t_n.
   double kineticEnergy(std::size_t i, const Vec3& velocity, const Vec3& bodySpin) const {
-    return 0.5 * (mass[i] * velocity.squaredNorm() + bodySpin.dot(inertia[i].cwiseProduct(bodySpin)));
+    return 0.5 * (mass[i] * velocity.squaredNorm() + bodySpin.dot(inertiaOf(i).cwiseProduct(bodySpin)));
   }
-  double kineticEnergy(std::size_t i) const { return kineticEnergy(i, v[i], frameOf(i).unrotate(w[i])); }
+  double kineticEnergy(std::size_t i) const { return kineticEnergy(i, v(i), frameOf(i).unrotate(w(i))); }
 
   /// Makes room for so many bodies in all.
   void reserve(std::size_t count);
@@ -130,27 +151,29 @@ struct Bodies {
   /// All slots, those of lower ids first.
   std::vector<std::int32_t> slotsById() const;
 
-  /// Calls visit(name, column) for every array of state that a checkpoint must hold.
+  /// Calls visit(name, column) for every array of state that a checkpoint must hold, after makeTurnColumns if it is to
+  /// be saved. Throws InputError if visit gives a part of the rows another length than to x.
   template <class Visitor>
   void visitState(Visitor&& visit) {
-    visit("x", x);
+    visitRows(visit, "x", bounds, &BoundingSphere::x);
+    motion.resize(size());
     visit("q", q);
-    visit("v", v);
-    visit("w", w);
-    visit("v_half", vHalf);
+    visitRows(visit, "v", motion, &MotionRow::v);
+    visitRows(visit, "w", motion, &MotionRow::w);
+    visitRows(visit, "v_half", motion, &MotionRow::vHalf);
     visit("w_half", wHalf);
     visit("q_half", qHalf);
-    visit("spin_half", spinHalf);
+    visitRows(visit, "spin_half", motion, &MotionRow::spinHalf);
     visit("acceleration", acceleration);
     visit("alpha", alpha);
     visit("force", force);
     visit("torque", torque);
     visit("travel", travel);
     visit("mass", mass);
-    visit("inverse_mass", inverseMass);
+    visitRows(visit, "inverse_mass", motion, &MotionRow::inverseMass);
     visit("inertia", inertia);
     visit("inverse_inertia", inverseInertia);
-    visit("radius_ratio", radiusRatio);
+    visitRows(visit, "radius_ratio", motion, &MotionRow::radiusRatio);
     visit("shape_index", shapeIndex);
     visit("material", material);
     visit("id", id);
@@ -158,6 +181,10 @@ struct Bodies {
     visit("locks", locks);
   }
 
+  /// Puts into wHalf and the moments what balls have in their rows.
+  void makeTurnColumns();
+  /// Drops the columns that nobody needs.
+  void leaveOutNeedless();
   /// Rebuilds what follows from the state: how bodies turn, frames, shape pointers, bounding radii.
   void restoreDerived(const ShapeTable& shapes, Turning ofBalls);
 
@@ -169,9 +196,25 @@ struct Bodies {
   static bool staysUpright(const Shape& bodyShape, Turning turns) {
     return turns == Turning::ball && bodyShape.kind() == ShapeKind::sphere;
   }
-  /// Makes these columns unless they are there; and drops them if nobody needs them.
+  /// Makes q, qHalf and frame unless they are there.
   void makeOrientations();
-  void dropNeedlessOrientations();
+  /// Calls visit(column) for every array; for those that may be left out.
+  template <class Visitor>
+  void visitColumns(Visitor&& visit);
+  template <class Visitor>
+  void visitColumnsOfSome(Visitor&& visit);
+  /// A part of the rows is to have another length: x may, and all others must follow.
+  static void resizeRows(const char*, std::size_t count, std::vector<BoundingSphere>& rows) { rows.resize(count); }
+  static void resizeRows(const char* name, std::size_t count, std::vector<MotionRow>& rows);
+  /// Calls visit(name, column) with what the rows hold in one place.
+  template <class Visitor, class Row, class Value>
+  void visitRows(Visitor&& visit, const char* name, std::vector<Row>& rows, Value Row::*place) {
+    std::vector<Value> column(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) column[i] = rows[i].*place;
+    visit(name, column);
+    resizeRows(name, column.size(), rows);
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*place = column[i];
+  }
   struct MovingList {
     MovingSlots stepped, flying;
   };

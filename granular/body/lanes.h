@@ -2,17 +2,27 @@
 // side by side. Both classes have the same functions, so that a stage is written once for them.
 #pragma once
 
-#include "granular/body/motion_rows.h"
+#include "granular/body/bodies.h"
 #include "granular/core/rows.h"
 #include "granular/core/share_out.h"
 
 namespace granular {
 
-/// A MotionRow of one body or of several side by side.
+// Halves of the MotionRow of one body or of several side by side.
 template <class Real>
-struct MotionOf {
-  Triple<Real> v, w, vHalf, spinHalf;
-  Real inverseMass, radiusRatio;
+struct MotionNow {
+  Triple<Real> v, w;
+};
+template <class Real>
+struct MotionAtHalf {
+  Triple<Real> v, spin;
+  Real inverseMass, inertia;
+};
+/// A BoundingSphere.
+template <class Real>
+struct SphereOf {
+  Triple<Real> x;
+  Real radius;
 };
 
 /// The body in a slot.
@@ -39,16 +49,24 @@ class OneBody {
   void writePosition(const Triple<double>& x, std::vector<Frame>& column) const {
     if (!column.empty()) column[i].x = toVec3(x);
   }
-  void write(const MotionOf<double>& m, std::vector<MotionRow>& column) const {
-    column[i].v = toVec3(m.v);
-    column[i].w = toVec3(m.w);
-    column[i].inverseMass = m.inverseMass;
-    column[i].radiusRatio = m.radiusRatio;
-    column[i].vHalf = toVec3(m.vHalf);
-    column[i].spinHalf = toVec3(m.spinHalf);
+
+  SphereOf<double> read(const std::vector<BoundingSphere>& rows) const { return {toTriple(rows[i].x), rows[i].radius}; }
+  void write(const SphereOf<double>& sphere, std::vector<BoundingSphere>& rows) const {
+    rows[i] = {toVec3(sphere.x), sphere.radius};
   }
-  void write(const Triple<double>& x, double radius, std::vector<BallRow>& column) const {
-    column[i] = {toVec3(x), radius};
+  MotionNow<double> readNow(const std::vector<MotionRow>& rows) const {
+    return {toTriple(rows[i].v), toTriple(rows[i].w)};
+  }
+  MotionAtHalf<double> readHalf(const std::vector<MotionRow>& rows) const {
+    return {toTriple(rows[i].vHalf), toTriple(rows[i].spinHalf), rows[i].inverseMass, rows[i].inertia};
+  }
+  void writeNow(const Triple<double>& v, const Triple<double>& w, std::vector<MotionRow>& rows) const {
+    rows[i].v = toVec3(v);
+    rows[i].w = toVec3(w);
+  }
+  void writeHalf(const Triple<double>& v, const Triple<double>& spin, std::vector<MotionRow>& rows) const {
+    rows[i].vHalf = toVec3(v);
+    rows[i].spinHalf = toVec3(spin);
   }
 
  private:
@@ -108,21 +126,34 @@ class WideBodies {
       std::memcpy(column[at(k)].x.data(), rows + 3 * k, 3 * sizeof(double));
     }
   }
-  /// Whole lines of the cache: they need not be read for it.
-  void write(const MotionOf<Wide>& m, std::vector<MotionRow>& column) const {
-    std::array<double*, count> now, half;
-    for (std::size_t k = 0; k < count; ++k) {
-      now[k] = column[at(k)].v.data();
-      half[k] = column[at(k)].vHalf.data();
-    }
-    storeRows<8>({m.v.x, m.v.y, m.v.z, m.w.x, m.w.y, m.w.z, m.inverseMass, m.radiusRatio}, now, count);
-    storeRows<8>({m.vHalf.x, m.vHalf.y, m.vHalf.z, m.spinHalf.x, m.spinHalf.y, m.spinHalf.z, Wide{}, Wide{}}, half,
-                 count);
+
+  SphereOf<Wide> read(const std::vector<BoundingSphere>& rows) const {
+    double copies[4 * count];
+    Quadruple<Wide> q;
+    loadRows(bring<4>(rows.data()->x.data(), copies), 4, q);
+    return {{q.x, q.y, q.z}, q.w};
   }
-  void write(const Triple<Wide>& x, const Wide& radius, std::vector<BallRow>& column) const {
-    store<4>(column.data()->x.data(), [&](double* rows) {
-      storeRows(Quadruple<Wide>{x.x, x.y, x.z, radius}, 4, rows);
+  void write(const SphereOf<Wide>& sphere, std::vector<BoundingSphere>& rows) const {
+    store<4>(rows.data()->x.data(), [&](double* to) {
+      storeRows(Quadruple<Wide>{sphere.x.x, sphere.x.y, sphere.x.z, sphere.radius}, 4, to);
     });
+  }
+  MotionNow<Wide> readNow(const std::vector<MotionRow>& rows) const {
+    std::array<Wide, 6> m;
+    loadRows(each<const double*>([&](std::size_t i) { return rows[i].now(); }), m);
+    return {{m[0], m[1], m[2]}, {m[3], m[4], m[5]}};
+  }
+  MotionAtHalf<Wide> readHalf(const std::vector<MotionRow>& rows) const {
+    std::array<Wide, 8> m;
+    loadRows(each<const double*>([&](std::size_t i) { return rows[i].half(); }), m);
+    return {{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, m[6], m[7]};
+  }
+  void writeNow(const Triple<Wide>& v, const Triple<Wide>& w, std::vector<MotionRow>& rows) const {
+    storeRows<6>({v.x, v.y, v.z, w.x, w.y, w.z}, each<double*>([&](std::size_t i) { return rows[i].now(); }), count);
+  }
+  void writeHalf(const Triple<Wide>& v, const Triple<Wide>& spin, std::vector<MotionRow>& rows) const {
+    storeRows<6>({v.x, v.y, v.z, spin.x, spin.y, spin.z}, each<double*>([&](std::size_t i) { return rows[i].half(); }),
+                 count);
   }
 
  private:
@@ -130,6 +161,13 @@ class WideBodies {
   static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Quat) == 4 * sizeof(double));
   static_assert(sizeof(Frame) == 12 * sizeof(double));
 
+  /// what(slot) of each body.
+  template <class Value, class What>
+  std::array<Value, count> each(const What& what) const {
+    std::array<Value, count> values;
+    for (std::size_t k = 0; k < count; ++k) values[k] = what(at(k));
+    return values;
+  }
   /// Where the bodies' rows lie one behind the other: in the column, or copied to `rows`.
   template <std::size_t width>
   const double* bring(const double* column, double* rows) const {

@@ -134,15 +134,15 @@ BodySums bookBodies(const Bodies& bodies, const std::vector<Vec3>& vBefore, cons
   for (std::size_t i = first; i < last; ++i) {
     ++sums.bodies;
     sums.frozen += bodies.state[i] == BodyState::frozen;
-    const double height = -bodies.mass[i] * gravity.dot(bodies.x[i]);
+    const double height = -bodies.mass[i] * gravity.dot(bodies.x(i));
     sums.potentialBefore += height;
     sums.potentialAfter += height;
     if (!bodies.moves(i)) continue;
     const double weight = 0.5 * dt * bodies.mass[i];
     sums.potentialBefore += weight * gravity.dot(vBefore[i]);
-    sums.potentialAfter -= weight * gravity.dot(bodies.vHalf[i]);
+    sums.potentialAfter -= weight * gravity.dot(bodies.vHalf(i));
     sums.kineticBefore += bodies.kineticEnergy(i, vBefore[i], wBefore[i]);
-    sums.kineticAfter += bodies.kineticEnergy(i, bodies.vHalf[i], bodies.wHalf[i]);
+    sums.kineticAfter += bodies.kineticEnergy(i, bodies.vHalf(i), bodies.wHalfOf(i));
   }
   return sums;
 }

@@ -3,7 +3,7 @@
 // first cache.
 #pragma once
 
-#include "granular/body/motion_rows.h"
+#include "granular/body/body_rows.h"
 #include "granular/core/rows.h"
 #include "granular/law/law.h"
 #include "granular/pair/contact.h"
@@ -33,18 +33,17 @@ struct ContactLanes {
     /// Bodies from lane k on, a register full, apart from their arms.
     void put(std::size_t k, const std::array<const MotionRow*, wideSize>& bodies) {
       std::array<const double*, wideSize> from;
-      std::array<Wide, 8> now;
-      std::array<Wide, 6> half;
-      for (std::size_t i = 0; i < wideSize; ++i) from[i] = bodies[i]->atStep();
+      std::array<Wide, 7> now, half;
+      for (std::size_t i = 0; i < wideSize; ++i) from[i] = bodies[i]->now();
       loadRows(from, now);
-      for (std::size_t i = 0; i < wideSize; ++i) from[i] = bodies[i]->atHalfStep();
+      for (std::size_t i = 0; i < wideSize; ++i) from[i] = bodies[i]->half();
       loadRows(from, half);
       v.store(k, {now[0], now[1], now[2]});
       w.store(k, {now[3], now[4], now[5]});
-      inverseMass.store(k, now[6]);
-      radiusRatio.store(k, now[7]);
+      radiusRatio.store(k, now[6]);
       vHalf.store(k, {half[0], half[1], half[2]});
       spinHalf.store(k, {half[3], half[4], half[5]});
+      inverseMass.store(k, half[6]);
     }
   };
 

@@ -72,11 +72,11 @@ void visitHistories(const World& world, Visitor&& visit) {
 ContactBody viewBody(const Bodies& bodies, std::int32_t index, const Vec3& point) {
   const auto i = static_cast<std::size_t>(index);
   ContactBody body;
-  body.inverseMass = bodies.inverseMass[i];
-  body.radiusRatio = bodies.radiusRatio[i];
-  body.arm = point - bodies.x[i];
+  body.inverseMass = bodies.inverseMass(i);
+  body.radiusRatio = bodies.radiusRatio(i);
+  body.arm = point - bodies.x(i);
   const Mat3& R = bodies.frameOf(i).R;
-  body.inverseInertia = R * bodies.inverseInertia[i].asDiagonal() * R.transpose();
+  body.inverseInertia = R * bodies.inverseInertiaOf(i).asDiagonal() * R.transpose();
   return body;
 }
 
@@ -110,9 +110,9 @@ Motion measureMotion(const World& world) {
   const Bodies& bodies = world.bodies;
   Motion motion;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Vec3 spin = bodies.inertia[i].cwiseProduct(bodies.wHalf[i]);
-    motion.energy += 0.5 * (bodies.mass[i] * bodies.vHalf[i].squaredNorm() + spin.dot(bodies.wHalf[i]));
-    motion.angular += bodies.mass[i] * bodies.x[i].cross(bodies.vHalf[i]);
+    const Vec3 spin = bodies.inertiaOf(i).cwiseProduct(bodies.wHalfOf(i));
+    motion.energy += 0.5 * (bodies.mass[i] * bodies.vHalf(i).squaredNorm() + spin.dot(bodies.wHalfOf(i)));
+    motion.angular += bodies.mass[i] * bodies.x(i).cross(bodies.vHalf(i));
     motion.angular += bodies.isBall(i) ? spin : Vec3(bodies.orientationHalf(i) * spin);
   }
   return motion;
@@ -125,12 +125,12 @@ struct Angular {
 };
 Angular measureAngular(const Encounter& e, const World& world) {
   const double total = e.bodies[0].mass + e.bodies[1].mass;
-  const Vec3 centre = (e.bodies[0].mass * world.bodies.x[0] + e.bodies[1].mass * world.bodies.x[1]) / total;
+  const Vec3 centre = (e.bodies[0].mass * world.bodies.x(0) + e.bodies[1].mass * world.bodies.x(1)) / total;
   const Vec3 drift = (e.bodies[0].mass * e.bodies[0].velocity + e.bodies[1].mass * e.bodies[1].velocity) / total;
   Angular angular;
   for (std::size_t i = 0; i < 2; ++i) {
     const Collider& body = e.bodies[i];
-    const Vec3& x = world.bodies.x[i];
+    const Vec3& x = world.bodies.x(i);
     const Vec3 own = body.pose.q * body.inertia.cwiseProduct(body.pose.q.conjugate() * body.spin);
     angular.sum += body.mass * x.cross(body.velocity) + own;
     angular.scale += body.mass * (x - centre).cross(body.velocity - drift).norm() + own.norm();

@@ -13,7 +13,7 @@ namespace granular {
 /// Kinetic and potential energy of a slot, J; the potential from the origin of the scene.
 inline double mechanicalEnergy(const World& world, std::size_t i) {
   const Bodies& bodies = world.bodies;
-  return bodies.kineticEnergy(i) - bodies.mass[i] * world.options.gravity.dot(bodies.x[i]);
+  return bodies.kineticEnergy(i) - bodies.mass[i] * world.options.gravity.dot(bodies.x(i));
 }
 
 /// The energy that lifts a body by its own size, J.

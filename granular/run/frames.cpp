@@ -44,8 +44,8 @@ void FrameWriter::write(const World& world, std::int64_t number) {
       makeArray<std::int32_t>("shape", n, [&](std::size_t i) { return bodies.shapeIndex[i]; }),
       makeArray<std::int32_t>("material", n, [&](std::size_t i) { return bodies.material[i]; }),
       makeArray<std::int32_t>("coordination", n, [&](std::size_t i) { return touching[i]; }),
-      makeArray<float>("speed", n, [&](std::size_t i) { return bodies.v[i].norm(); }),
-      makeArray<float>("spin", n, [&](std::size_t i) { return bodies.w[i].norm(); }),
+      makeArray<float>("speed", n, [&](std::size_t i) { return bodies.v(i).norm(); }),
+      makeArray<float>("spin", n, [&](std::size_t i) { return bodies.w(i).norm(); }),
   };
   const std::string name = fmt::format("particles_{:05d}.vtp", number);
   writePolyData(folder / name, makeSurfaces(bed.shapes, bed.frames, arrays, static_cast<int>(scene.output.resolution)));

@@ -70,8 +70,8 @@ bool record(const World& world, Recording& recording) {
   now.bodies.resize(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     // Slots need not be ids.
-    now.bodies[static_cast<std::size_t>(bodies.id[i])] = {bodies.poseOf(i), bodies.v[i], bodies.w[i]};
-    if (!bodies.x[i].allFinite() || !bodies.orientation(i).coeffs().allFinite() || !bodies.w[i].allFinite())
+    now.bodies[static_cast<std::size_t>(bodies.id[i])] = {bodies.poseOf(i), bodies.v(i), bodies.w(i)};
+    if (!bodies.x(i).allFinite() || !bodies.orientation(i).coeffs().allFinite() || !bodies.w(i).allFinite())
       return false;
   }
   recording.snapshots.push_back(std::move(now));

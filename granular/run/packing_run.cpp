@@ -236,7 +236,7 @@ void PackingRun::insertDue() {
     counters.calm = 0;
     counters.batchStart = state->time;
   }
-  require(!pour->isFull() || !state->bodies.x.empty(),
+  require(!pour->isFull() || state->bodies.size() > 0,
           fmt::format("{}: no particle fits below the vessel's rim at {:g} m", settings.file.string(),
                       makeRegion(settings).ceiling));
   if (pour->isDone()) counters.pouredAt = state->time;

@@ -50,7 +50,7 @@ double chooseStep(const StackSettings& settings, const World& world) {
 
 double meanSpeed(const Bodies& bodies) {
   double sum = 0;
-  for (const Vec3& v : bodies.v) sum += v.norm();
+  for (const MotionRow& row : bodies.motion) sum += row.v.norm();
   return sum / static_cast<double>(bodies.size());
 }
 

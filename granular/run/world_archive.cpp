@@ -444,8 +444,10 @@ void describe(Archive& archive, World& world) {
     world.aloft = {};
   }
   archive.inGroup("bodies", [&] {
+    if (!archive.loading()) world.bodies.makeTurnColumns();
     world.bodies.visitState(
         [&](const char* name, auto& column) { archive.visit(name, column, noteOf(bodyNotes, name)); });
+    if (!archive.loading()) world.bodies.leaveOutNeedless();
   });
   const bool keepsHistories = !world.historiesFiled;
   fileHistories(world);

@@ -70,7 +70,7 @@ void Search::restoreBoxes(const Bodies& bodies) {
       const double period = settings.periods.length[k];
       if (period <= 0) continue;
       const double middle = 0.5 * (box.lo[k] + box.hi[k]);
-      wraps[i][static_cast<std::size_t>(k)] = static_cast<std::int32_t>(std::round((middle - bodies.x[i][k]) / period));
+      wraps[i][static_cast<std::size_t>(k)] = static_cast<std::int32_t>(std::round((middle - bodies.x(i)[k]) / period));
     }
     broadPhase->place(i, box);
   }
@@ -98,8 +98,8 @@ void Search::placeBounds(const Bodies& bodies, double dt, double wallTravel) {
     const bool stays = i < known && used <= 0.5 * margins[i] && !settings.everyStep;
     if (!stays || thawed) moved.push_back(static_cast<std::int32_t>(i));
     if (stays) continue;
-    const double turning = bodies.isBall(i) ? 0 : bodies.boundingRadius[i] * bodies.wHalf[i].norm();
-    const double speed = bodies.vHalf[i].norm() + turning;
+    const double turning = bodies.isBall(i) ? 0 : bodies.boundingRadius(i) * bodies.wHalf[i].norm();
+    const double speed = bodies.vHalf(i).norm() + turning;
     margins[i] = settings.skin * bodies.shape[i]->size() + settings.lookAhead * dt * speed;
     travelAtPlace[i] = bodies.travel[i] + wallTravel;
     Aabb box = bodies.shape[i]->bounds(bodies.frameOf(i)).grown(margins[i]);
@@ -107,7 +107,7 @@ void Search::placeBounds(const Bodies& bodies, double dt, double wallTravel) {
     for (int k = 0; k < 3; ++k) {
       const double period = settings.periods.length[k];
       if (period <= 0) continue;
-      const double wrap = -std::floor((bodies.x[i][k] - settings.periods.origin[k]) / period);
+      const double wrap = -std::floor((bodies.x(i)[k] - settings.periods.origin[k]) / period);
       wraps[i][static_cast<std::size_t>(k)] = static_cast<std::int32_t>(wrap);
       box.lo[k] += wrap * period;
       box.hi[k] += wrap * period;

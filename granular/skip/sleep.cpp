@@ -49,8 +49,8 @@ void updateSleep(const SleepOptions& options, double gravity, double dt, bool ma
       }
       continue;
     }
-    state.velocity[i] += newMotion * (bodies.v[i] - state.velocity[i]);
-    state.spin[i] += newMotion * (bodies.w[i] - state.spin[i]);
+    state.velocity[i] += newMotion * (bodies.v(i) - state.velocity[i]);
+    state.spin[i] += newMotion * (bodies.w(i) - state.spin[i]);
     const double energy = bodies.kineticEnergy(i, state.velocity[i], bodies.frameOf(i).unrotate(state.spin[i]));
     state.calm[i] = energy <= options.energy * bodies.mass[i] * gravity * 2 * size ? state.calm[i] + dt : 0;
     if (!mayFall || state.calm[i] < options.time) continue;

@@ -53,8 +53,8 @@ struct BallBatch : BriefBatch {
 /// Where two balls touch (narrow/ball_touch.h). elastic: lawReadsCurvature.
 void placeBalls(const Bodies& bodies, bool elastic, BallBatch& s) {
   for (std::size_t k = 0; k < s.count(); ++k) {
-    s.bodyA.put(k, bodies.x[at(s.a[k])]);
-    s.bodyB.put(k, bodies.x[at(s.b[k])]);
+    s.bodyA.put(k, bodies.x(at(s.a[k])));
+    s.bodyB.put(k, bodies.x(at(s.b[k])));
   }
   for (std::size_t k = 0; k < s.count(); k += wideSize) {
     const Wide distance = s.distance.load(k), radiusA = s.radiusA.load(k), radiusB = s.radiusB.load(k);
@@ -117,9 +117,9 @@ class BallLooks {
     const std::size_t a = at(pair.a), b = at(pair.b);
     const BallPair pairOfBalls = view(index, pair);
     ++chunk.counts.warm;
-    const Vec3 between = (bodies.x[b] + pairOfBalls.shift) - bodies.x[a];
+    const Vec3 between = (bodies.x(b) + pairOfBalls.shift) - bodies.x(a);
     const TouchingBalls touch{
-        -1, -1, bodies.x[a], between, between.norm(), bodies.boundingRadius[a], bodies.boundingRadius[b]};
+        -1, -1, bodies.x(a), between, between.norm(), bodies.boundingRadius(a), bodies.boundingRadius(b)};
     ContactHistory& history = world.pairs.memory.history[at(pair.slot)];
     if (!(touch.overlap() > 0)) {
       pair.quietUntil = travel + std::max(0.0, -touch.overlap());

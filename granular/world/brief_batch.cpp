@@ -82,8 +82,8 @@ void BriefBatch::load() {
   for (std::size_t k = 0; k < count(); k += wideSize) {
     std::array<const MotionRow*, wideSize> rowsA, rowsB;
     for (std::size_t i = 0; i < wideSize; ++i) {
-      rowsA[i] = &world->motionRows.motion[at(a[k + i])];
-      rowsB[i] = &world->motionRows.motion[at(b[k + i])];
+      rowsA[i] = &world->bodies.motion[at(a[k + i])];
+      rowsB[i] = &world->bodies.motion[at(b[k + i])];
     }
     contacts.a.put(k, rowsA);
     contacts.b.put(k, rowsB);
@@ -142,8 +142,8 @@ Contact World::describeBrief(const Chunk& chunk, std::size_t k) const {
   placeWitness(contact.touch, contact.patch);
   contact.force = {brief.force, Vec3::Zero(), brief.normalForce, brief.sliding};
   contact.held = brief.held;
-  contact.torqueA = (contact.patch.point - bodies.x[at(pair.a)]).cross(brief.force);
-  contact.torqueB = -(contact.patch.point - bodies.x[at(pair.b)] - contact.shift).cross(brief.force);
+  contact.torqueA = (contact.patch.point - bodies.x(at(pair.a))).cross(brief.force);
+  contact.torqueB = -(contact.patch.point - bodies.x(at(pair.b)) - contact.shift).cross(brief.force);
   return contact;
 }
 

@@ -17,25 +17,23 @@ Real wayOfSurface(double dt, const Triple<Real>& vHalf, const Real& radius, cons
 
 /// Writes the state at t_{n+1} of bodies that turn by a scheme.
 template <class Place, class Real = typename Place::Real>
-void writeState(const Triple<Real>& x, const Triple<Real>& v, const Turn<Real>& turn, const Triple<Real>& spinHalf,
-                const Place& place, Bodies& bodies) {
-  place.write(spinHalf, bodies.spinHalf);
-  place.write(x, bodies.x);
-  place.write(v, bodies.v);
+void writeState(const SphereOf<Real>& sphere, const Triple<Real>& v, const Turn<Real>& turn, const Place& place,
+                Bodies& bodies) {
+  place.write(sphere, bodies.bounds);
+  place.writeNow(v, turn.w, bodies.motion);
   place.write(turn.q, bodies.q);
-  place.write(turn.w, bodies.w);
-  place.write(turn.q, x, bodies.frame);
+  place.write(turn.q, sphere.x, bodies.frame);
 }
 
 /// How balls lie at t_{n+1}, for those who ask.
 template <class Place>
 void turnBalls(double dt, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
-  Quadruple<Real> q = rotateByStep(dt * place.read(bodies.wHalf)) * place.read(bodies.q);
+  Quadruple<Real> q = rotateByStep(dt * place.readHalf(bodies.motion).spin) * place.read(bodies.q);
   keepUnit(q);
   place.write(q, bodies.q);
   place.write(q, bodies.qHalf);
-  place.write(q, place.read(bodies.x), bodies.frame);
+  place.write(q, place.read(bodies.bounds).x, bodies.frame);
 }
 
 /// A row of the table as a scheme, for one body at a time.

@@ -36,8 +36,8 @@ void refreshWallPairs(World& world) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (bodies.state[i] == BodyState::frozen) continue;
     for (std::size_t k = 0; k < world.walls.size(); ++k) {
-      const double reach = bodies.boundingRadius[i] + world.search.margin(i);
-      if (world.walls[k]->clearance(bodies.x[i], reach) >= 0) continue;
+      const double reach = bodies.boundingRadius(i) + world.search.margin(i);
+      if (world.walls[k]->clearance(bodies.x(i), reach) >= 0) continue;
       const auto body = static_cast<std::int32_t>(i);
       const auto wall = static_cast<std::int32_t>(k);
       while (old < list.size() && before(list[old], body, wall)) ++old;
@@ -370,7 +370,7 @@ void lookAtWallPair(World& world, std::int32_t index, World::Chunk& chunk) {
   chunk.wallTouches.clear();
   wall.touch(ruleAtWalls(world.options.rule), *bodies.shape[i], bodies.frameOf(i), chunk.wallTouches);
   if (chunk.wallTouches.empty()) {
-    pair.quietUntil = travel + std::max(0.0, wall.clearance(bodies.x[i], bodies.boundingRadius[i]));
+    pair.quietUntil = travel + std::max(0.0, wall.clearance(bodies.x(i), bodies.boundingRadius(i)));
     pair.spots.clear();
     return;
   }
@@ -426,7 +426,6 @@ void layOutContacts(World& world) {
   for (std::size_t c = 0; c < world.chunks.size(); ++c) layOutChunk(c, world);
   if (readsCaches(world)) resizeClosely(memory.cache, memory.size());
   takeHistories(world);
-  layOutMotion(world);
   world.layoutStale = false;
 }
 

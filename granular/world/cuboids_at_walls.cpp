@@ -26,7 +26,7 @@ class CuboidsAtWalls {
     pair.held.clear();
     if (world.options.skips.separation && travelOf(pair) < pair.quietUntil) return;
     const Plane& plane = *world.walls[at(pair.wall)]->asPlane();
-    const double height = -plane.depth(bodies.x[i]), reach = bodies.boundingRadius[i];
+    const double height = -plane.depth(bodies.x(i)), reach = bodies.boundingRadius(i);
     if (height > reach) return waitForGap(pair, height - reach);
 
     Contact& contact = chunk.contacts.emplace_back();
@@ -66,8 +66,8 @@ class CuboidsAtWalls {
       } else {
         const std::size_t i = at(pair.body);
         const Plane& plane = *world.walls[at(pair.wall)]->asPlane();
-        const double height = -plane.depth(world.bodies.x[i]);
-        const Vec3 seat = world.bodies.x[i] - (seatHalf(i) + height) * plane.normal;
+        const double height = -plane.depth(world.bodies.x(i));
+        const Vec3 seat = world.bodies.x(i) - (seatHalf(i) + height) * plane.normal;
         placeFromLane(patch, point, centre, x, look.depth[k], false, seat, k, contact);
         contact.touch.normal = -plane.normal;
         contact.touch.overlap = look.depth[k];
@@ -79,7 +79,7 @@ class CuboidsAtWalls {
 
  private:
   /// Half the edge of the cube whose face stands for the plane below body i: its other faces are out of reach.
-  double seatHalf(std::size_t i) const { return 2 * world.bodies.boundingRadius[i]; }
+  double seatHalf(std::size_t i) const { return 2 * world.bodies.boundingRadius(i); }
 
   double travelOf(const WallPair& pair) const { return world.bodies.travel[at(pair.body)] + world.wallTravel; }
 

@@ -16,16 +16,16 @@ PointKick followPoint(const World& world, std::size_t i, const Vec3& arm) {
   if (!bodies.moves(i)) return {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   PointKick kick;
   kick.spinBefore = bodies.spinToWorld(i, world.spinBefore[i]);
-  kick.spinAfter = bodies.spinToWorld(i, bodies.wHalf[i]);
+  kick.spinAfter = bodies.spinToWorld(i, bodies.wHalfOf(i));
   kick.before = world.velocityBefore[i] + kick.spinBefore.cross(arm);
-  kick.after = bodies.vHalf[i] + kick.spinAfter.cross(arm);
+  kick.after = bodies.vHalf(i) + kick.spinAfter.cross(arm);
   return kick;
 }
 
 KickMotion followContact(const World& world, const Contact& contact) {
   const Bodies& bodies = world.bodies;
   const Vec3& point = contact.patch.point;
-  const PointKick a = followPoint(world, at(contact.a), point - bodies.x[at(contact.a)]);
+  const PointKick a = followPoint(world, at(contact.a), point - bodies.x(at(contact.a)));
   KickMotion motion;
   if (contact.b < 0) {
     const Wall& wall = *world.walls[at(-1 - contact.b)];
@@ -37,7 +37,7 @@ KickMotion followContact(const World& world, const Contact& contact) {
     motion.spinAfter = a.spinAfter - motion.wallSpin;
     return motion;
   }
-  const PointKick b = followPoint(world, at(contact.b), point - bodies.x[at(contact.b)] - contact.shift);
+  const PointKick b = followPoint(world, at(contact.b), point - bodies.x(at(contact.b)) - contact.shift);
   motion.before = a.before - b.before;
   motion.after = a.after - b.after;
   motion.spinBefore = a.spinBefore - b.spinBefore;
@@ -92,8 +92,13 @@ void bookHeld(World& world, double& normal, double& tangential) {
 
 void rememberVelocities(World& world) {
   if (!world.options.energy) return;
-  world.velocityBefore = world.bodies.vHalf;
-  world.spinBefore = world.bodies.wHalf;
+  const Bodies& bodies = world.bodies;
+  world.velocityBefore.resize(bodies.size());
+  world.spinBefore.resize(bodies.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    world.velocityBefore[i] = bodies.vHalf(i);
+    world.spinBefore[i] = bodies.wHalfOf(i);
+  }
 }
 
 void keepLedger(double dt, World& world) {

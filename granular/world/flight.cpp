@@ -24,23 +24,23 @@ void flyBodies(const Flight& flight, const Scheme& scheme, const Place& place, B
   const double dt = flight.dt;
   const Moments<Real> moments{place.read(bodies.inertia), place.read(bodies.inverseInertia)};
   const Triple<Real> acceleration = place.read(bodies.acceleration), torque = place.read(bodies.torque);
-  const Real radius = place.read(bodies.boundingRadius);
   HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
   Turn<Real> now;
-  Triple<Real> x = place.read(bodies.x), vHalf = place.read(bodies.vHalf), v, spinHalf;
+  SphereOf<Real> sphere = place.read(bodies.bounds);
+  Triple<Real> vHalf = place.readHalf(bodies.motion).v, v, spinHalf;
   Real travel = place.read(bodies.travel);
   for (std::int64_t n = 0; n < flight.predictions; ++n) {
-    predictTranslation(dt, vHalf, acceleration, x, v);
+    predictTranslation(dt, vHalf, acceleration, sphere.x, v);
     now = scheme.predictRotation(dt, half);
-    travel = travel + wayOfSurface(dt, vHalf, radius, half.w, now.w);
+    travel = travel + wayOfSurface(dt, vHalf, sphere.radius, half.w, now.w);
     spinHalf = half.q.rotate(half.w);
     if (n == flight.advances) break;
     advanceTranslation(dt, acceleration, vHalf);
     scheme.advanceRotation(dt, moments, torque, now, half);
   }
   place.write(travel, bodies.travel);
-  writeState(x, v, now, spinHalf, place, bodies);
-  place.write(vHalf, bodies.vHalf);
+  writeState(sphere, v, now, place, bodies);
+  place.writeHalf(vHalf, spinHalf, bodies.motion);
   place.write(half.q, bodies.qHalf);
   place.write(half.w, bodies.wHalf);
   place.write(half.alpha, bodies.alpha);
@@ -52,19 +52,21 @@ void flyBalls(const Flight& flight, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
   const double dt = flight.dt;
   const Triple<Real> acceleration = place.read(bodies.acceleration);
-  Triple<Real> x = place.read(bodies.x), vHalf = place.read(bodies.vHalf), v;
+  SphereOf<Real> sphere = place.read(bodies.bounds);
+  MotionAtHalf<Real> half = place.readHalf(bodies.motion);
+  Triple<Real> v;
   Real travel = place.read(bodies.travel);
   for (std::int64_t n = 0; n < flight.predictions; ++n) {
-    predictTranslation(dt, vHalf, acceleration, x, v);
-    travel = travel + dt * vHalf.norm();
+    predictTranslation(dt, half.v, acceleration, sphere.x, v);
+    travel = travel + dt * half.v.norm();
     if (n == flight.advances) break;
-    advanceTranslation(dt, acceleration, vHalf);
+    advanceTranslation(dt, acceleration, half.v);
   }
   place.write(travel, bodies.travel);
-  place.write(x, bodies.x);
-  place.write(v, bodies.v);
-  place.write(vHalf, bodies.vHalf);
-  place.writePosition(x, bodies.frame);
+  place.write(sphere, bodies.bounds);
+  place.writeNow(v, place.readNow(bodies.motion).w, bodies.motion);
+  place.writeHalf(half.v, half.spin, bodies.motion);
+  place.writePosition(sphere.x, bodies.frame);
 }
 
 /// Flights of fewer steps save nothing, and neither do a few bodies among many: the lists of who is stepped are made
@@ -81,9 +83,9 @@ std::int64_t stepsWithinMargin(const World& world, std::size_t i, double dt) {
   if (!bodies.isBall(i)) {
     // No faster than with all of its energy about the axis of least inertia; a tenth more for what a scheme gains.
     const double energy = bodies.wHalf[i].dot(bodies.inertia[i].cwiseProduct(bodies.wHalf[i]));
-    turning = 1.1 * bodies.boundingRadius[i] * std::sqrt(energy / bodies.inertia[i].minCoeff());
+    turning = 1.1 * bodies.boundingRadius(i) * std::sqrt(energy / bodies.inertia[i].minCoeff());
   }
-  const double speed = bodies.vHalf[i].norm() + turning, gravity = world.options.gravity.norm();
+  const double speed = bodies.vHalf(i).norm() + turning, gravity = world.options.gravity.norm();
   // The largest n with n dt (speed + g n dt) <= left: the speed grows by less than g dt in a step.
   const double way = speed * dt, gain = gravity * dt * dt;
   constexpr double most = 1e6;

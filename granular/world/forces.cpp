@@ -18,14 +18,14 @@ std::size_t at(std::int32_t index) { return static_cast<std::size_t>(index); }
 /// What a law reads of body i at a contact with this arm.
 ContactBody viewBody(const Bodies& bodies, std::size_t i, const Vec3& arm, bool readsInertia) {
   ContactBody body;
-  body.inverseMass = bodies.inverseMass[i];
-  body.radiusRatio = bodies.radiusRatio[i];
+  body.inverseMass = bodies.inverseMass(i);
+  body.radiusRatio = bodies.radiusRatio(i);
   body.arm = arm;
   if (readsInertia && bodies.isBall(i)) {
-    body.inverseInertia = bodies.inverseInertia[i].asDiagonal();
+    body.inverseInertia = bodies.inverseInertiaOf(i).asDiagonal();
   } else if (readsInertia) {
     const Mat3& R = bodies.frameOf(i).R;
-    body.inverseInertia = R * bodies.inverseInertia[i].asDiagonal() * R.transpose();
+    body.inverseInertia = R * bodies.inverseInertiaOf(i).asDiagonal() * R.transpose();
   }
   return body;
 }
@@ -44,7 +44,7 @@ Encounter meet(const World& world, const Contact& contact, double dt) {
   const std::size_t a = at(contact.a);
   const Vec3& point = contact.patch.point;
   Encounter met;
-  met.a = viewBody(bodies, a, point - bodies.x[a], readsInertia);
+  met.a = viewBody(bodies, a, point - bodies.x(a), readsInertia);
   met.materialA = bodies.material[a];
 
   // The other party: a body's image, or a wall.
@@ -58,11 +58,11 @@ Encounter meet(const World& world, const Contact& contact, double dt) {
     met.materialB = wall.material;
   } else {
     const std::size_t b = at(contact.b);
-    met.b = viewBody(bodies, b, point - bodies.x[b] - contact.shift, readsInertia);
-    velocityB = bodies.v[b] + bodies.w[b].cross(met.b.arm);
-    slipVelocityB = bodies.vHalf[b] + bodies.spinHalf[b].cross(met.b.arm);
-    spinB = bodies.w[b];
-    spinHalfB = bodies.spinHalf[b];
+    met.b = viewBody(bodies, b, point - bodies.x(b) - contact.shift, readsInertia);
+    velocityB = bodies.v(b) + bodies.w(b).cross(met.b.arm);
+    slipVelocityB = bodies.vHalf(b) + bodies.spinHalf(b).cross(met.b.arm);
+    spinB = bodies.w(b);
+    spinHalfB = bodies.spinHalf(b);
     met.materialB = bodies.material[b];
   }
 
@@ -70,11 +70,11 @@ Encounter meet(const World& world, const Contact& contact, double dt) {
   motion.normal = contact.touch.normal;
   motion.overlap = contact.patch.depth;
   motion.squaredDepth = contact.patch.squaredDepth;
-  motion.velocity = bodies.v[a] + bodies.w[a].cross(met.a.arm) - velocityB;
-  motion.slip = (bodies.vHalf[a] + bodies.spinHalf[a].cross(met.a.arm) - slipVelocityB) * dt;
-  motion.spin = bodies.w[a] - spinB;
-  motion.meanSpin = 0.5 * (bodies.w[a] + spinB);
-  motion.turn = (bodies.spinHalf[a] - spinHalfB) * dt;
+  motion.velocity = bodies.v(a) + bodies.w(a).cross(met.a.arm) - velocityB;
+  motion.slip = (bodies.vHalf(a) + bodies.spinHalf(a).cross(met.a.arm) - slipVelocityB) * dt;
+  motion.spin = bodies.w(a) - spinB;
+  motion.meanSpin = 0.5 * (bodies.w(a) + spinB);
+  motion.turn = (bodies.spinHalf(a) - spinHalfB) * dt;
   motion.share = contact.share * contact.patch.share;
   motion.dt = dt;
   motion.centreArm = contact.patch.centre - point;
@@ -252,21 +252,6 @@ void addPulls(std::int32_t lowest, std::int32_t highest, World& world) {
 }
 
 }  // namespace
-
-void layOutMotion(World& world) {
-  if (!chooseLanes(world.options)) return;
-  const auto ofSpheres = [](const World::Chunk& chunk) { return chunk.due.ofSpheres; };
-  world.motionRows.resize(world.bodies.size(), std::any_of(world.chunks.begin(), world.chunks.end(), ofSpheres));
-  world.motionRows.changes = world.bodies.changes();
-  shareOutEvenly(world.met.size(), world.met.size() >= bodiesForThreads,
-                 [&](std::size_t k) { world.motionRows.put(world.bodies, at(world.met[k])); });
-}
-
-MotionRows* rowsOfPredict(World& world) {
-  const bool laidOut = world.motionRows.changes == world.bodies.changes() && !world.layoutStale;
-  const bool many = 2 * world.met.size() >= world.bodies.movingSlots().size();
-  return laidOut && many && chooseLanes(world.options) ? &world.motionRows : nullptr;
-}
 
 void applyForceLaws(double dt, std::size_t c, World& world) {
   World::Chunk& chunk = world.chunks[c];

@@ -186,9 +186,9 @@ class LaneLooks {
   }
 
   Vec3 seatPlace(const Waiting& one, const Contact& contact) const {
-    const std::vector<Vec3>& x = world.bodies.x;
-    return one.seatIsA ? x[static_cast<std::size_t>(contact.a)]
-                       : Vec3(x[static_cast<std::size_t>(contact.b)] + contact.shift);
+    const Bodies& bodies = world.bodies;
+    return one.seatIsA ? bodies.x(static_cast<std::size_t>(contact.a))
+                       : Vec3(bodies.x(static_cast<std::size_t>(contact.b)) + contact.shift);
   }
 
   /// Places the contacts; the feature is named for those that will be placed one by one.

@@ -24,8 +24,8 @@ void putWall(const Wall& wall, const Vec3& point, std::size_t k, ContactLanes::P
 void putBodies(const World& world, Contact* const* contacts, std::size_t k, ContactLanes& lanes) {
   std::array<const MotionRow*, wideSize> a, b;
   for (std::size_t i = 0; i < wideSize; ++i) {
-    a[i] = &world.motionRows.motion[at(contacts[i]->a)];
-    b[i] = contacts[i]->b < 0 ? a[i] : &world.motionRows.motion[at(contacts[i]->b)];  // a wall is put in its place
+    a[i] = &world.bodies.motion[at(contacts[i]->a)];
+    b[i] = contacts[i]->b < 0 ? a[i] : &world.bodies.motion[at(contacts[i]->b)];  // a wall is put in its place
   }
   lanes.a.put(k, a);
   lanes.b.put(k, b);
@@ -35,7 +35,7 @@ void putBodies(const World& world, Contact* const* contacts, std::size_t k, Cont
 std::int32_t putContact(const World& world, const Contact& contact, std::size_t k, ContactLanes& lanes) {
   const Bodies& bodies = world.bodies;
   const ContactPatch& patch = contact.patch;
-  lanes.a.arm.put(k, Vec3(patch.point - bodies.x[at(contact.a)]));
+  lanes.a.arm.put(k, Vec3(patch.point - bodies.x(at(contact.a))));
   lanes.normal.put(k, contact.touch.normal);
   lanes.overlap[k] = patch.depth;
   lanes.share[k] = contact.share * patch.share;
@@ -53,7 +53,7 @@ std::int32_t putContact(const World& world, const Contact& contact, std::size_t 
     return wall.material;
   }
   const std::size_t b = at(contact.b);
-  lanes.b.arm.put(k, Vec3(patch.point - bodies.x[b] - contact.shift));
+  lanes.b.arm.put(k, Vec3(patch.point - bodies.x(b) - contact.shift));
   return bodies.material[b];
 }
 

@@ -31,49 +31,37 @@ class LargestWay {
   std::vector<OfThread>& of;
 };
 
-/// State at t_{n+1} of the bodies in a place (body/lanes.h). Returns a bound on the way of each one's surface, m. rows:
-/// may be null.
+/// State at t_{n+1} of the bodies in a place (body/lanes.h). Returns a bound on the way of each one's surface, m.
 template <class Scheme, class Place>
-typename Place::Real predictBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies,
-                                   MotionRows* rows) {
+typename Place::Real predictBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
   const HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
-  const Triple<Real> vHalf = place.read(bodies.vHalf);
-  Triple<Real> x = place.read(bodies.x), v;
-  predictTranslation(dt, vHalf, place.read(bodies.acceleration), x, v);
+  const Triple<Real> vHalf = place.readHalf(bodies.motion).v;
+  SphereOf<Real> sphere = place.read(bodies.bounds);
+  Triple<Real> v;
+  predictTranslation(dt, vHalf, place.read(bodies.acceleration), sphere.x, v);
   const Turn<Real> next = scheme.predictRotation(dt, half);
-  const Real way = wayOfSurface(dt, vHalf, place.read(bodies.boundingRadius), half.w, next.w);
+  const Real way = wayOfSurface(dt, vHalf, sphere.radius, half.w, next.w);
   place.write(place.read(bodies.travel) + way, bodies.travel);
-  const Triple<Real> spinHalf = half.q.rotate(half.w);
-  writeState(x, v, next, spinHalf, place, bodies);
-  if (rows) {
-    place.write(
-        MotionOf<Real>{v, next.w, vHalf, spinHalf, place.read(bodies.inverseMass), place.read(bodies.radiusRatio)},
-        rows->motion);
-  }
+  place.writeHalf(vHalf, half.q.rotate(half.w), bodies.motion);
+  writeState(sphere, v, next, place, bodies);
   return way;
 }
 
 /// The same for balls: their spins are in world axes, and a turn moves no surface.
 template <class Place>
-typename Place::Real predictBalls(double dt, const Place& place, Bodies& bodies, MotionRows* rows) {
+typename Place::Real predictBalls(double dt, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
-  const Triple<Real> vHalf = place.read(bodies.vHalf), wHalf = place.read(bodies.wHalf);
-  Triple<Real> x = place.read(bodies.x), v;
-  predictTranslation(dt, vHalf, place.read(bodies.acceleration), x, v);
-  const Triple<Real> w = wHalf + 0.5 * dt * place.read(bodies.alpha);
-  const Real way = dt * vHalf.norm();
+  const MotionAtHalf<Real> half = place.readHalf(bodies.motion);
+  SphereOf<Real> sphere = place.read(bodies.bounds);
+  Triple<Real> v;
+  predictTranslation(dt, half.v, place.read(bodies.acceleration), sphere.x, v);
+  const Triple<Real> w = half.spin + 0.5 * dt * place.read(bodies.alpha);
+  const Real way = dt * half.v.norm();
   place.write(place.read(bodies.travel) + way, bodies.travel);
-  place.write(x, bodies.x);
-  place.write(v, bodies.v);
-  place.write(wHalf, bodies.spinHalf);
-  place.write(w, bodies.w);
-  place.writePosition(x, bodies.frame);
-  if (rows) {
-    place.write(MotionOf<Real>{v, w, vHalf, wHalf, place.read(bodies.inverseMass), place.read(bodies.radiusRatio)},
-                rows->motion);
-  }
-  if (rows && !rows->balls.empty()) place.write(x, place.read(bodies.boundingRadius), rows->balls);
+  place.write(sphere, bodies.bounds);
+  place.writeNow(v, w, bodies.motion);
+  place.writePosition(sphere.x, bodies.frame);
   return way;
 }
 
@@ -81,14 +69,15 @@ typename Place::Real predictBalls(double dt, const Place& place, Bodies& bodies,
 template <class Scheme, class Place>
 void advanceBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
-  const Triple<Real> acceleration = place.read(bodies.inverseMass) * place.read(bodies.force);
-  Triple<Real> vHalf = place.read(bodies.vHalf);
-  advanceTranslation(dt, acceleration, vHalf);
+  MotionAtHalf<Real> motion = place.readHalf(bodies.motion);
+  const Triple<Real> acceleration = motion.inverseMass * place.read(bodies.force);
+  advanceTranslation(dt, acceleration, motion.v);
   HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
   scheme.advanceRotation(dt, Moments<Real>{place.read(bodies.inertia), place.read(bodies.inverseInertia)},
-                         place.read(bodies.torque), Turn<Real>{place.read(bodies.q), place.read(bodies.w)}, half);
+                         place.read(bodies.torque), Turn<Real>{place.read(bodies.q), place.readNow(bodies.motion).w},
+                         half);
   place.write(acceleration, bodies.acceleration);
-  place.write(vHalf, bodies.vHalf);
+  place.writeHalf(motion.v, motion.spin, bodies.motion);
   place.write(half.q, bodies.qHalf);
   place.write(half.w, bodies.wHalf);
   place.write(half.alpha, bodies.alpha);
@@ -98,14 +87,13 @@ void advanceBodies(double dt, const Scheme& scheme, const Place& place, Bodies& 
 template <class Place>
 void advanceBalls(double dt, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
-  const Triple<Real> acceleration = place.read(bodies.inverseMass) * place.read(bodies.force);
-  const Triple<Real> alpha = place.read(bodies.inverseInertia).times(place.read(bodies.torque));
-  Triple<Real> vHalf = place.read(bodies.vHalf), wHalf = place.read(bodies.wHalf);
-  advanceTranslation(dt, acceleration, vHalf);
-  advanceTranslation(dt, alpha, wHalf);
+  MotionAtHalf<Real> half = place.readHalf(bodies.motion);
+  const Triple<Real> acceleration = half.inverseMass * place.read(bodies.force);
+  const Triple<Real> alpha = Real(1 / half.inertia) * place.read(bodies.torque);
+  advanceTranslation(dt, acceleration, half.v);
+  advanceTranslation(dt, alpha, half.spin);
   place.write(acceleration, bodies.acceleration);
-  place.write(vHalf, bodies.vHalf);
-  place.write(wHalf, bodies.wHalf);
+  place.writeHalf(half.v, half.spin, bodies.motion);
   place.write(alpha, bodies.alpha);
 }
 
@@ -115,8 +103,8 @@ double furthestFrom(const WallMotion& turning, const Bodies& bodies) {
   if (rate == 0) return 0;
   double furthest = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const double distance = (bodies.x[i] - turning.reference).cross(turning.spin).norm() / rate;
-    furthest = std::max(furthest, distance + bodies.boundingRadius[i]);
+    const double distance = (bodies.x(i) - turning.reference).cross(turning.spin).norm() / rate;
+    furthest = std::max(furthest, distance + bodies.boundingRadius(i));
   }
   return furthest;
 }
@@ -184,20 +172,17 @@ void moveWalls(double dt, World& world) {
   wakeNearMovingWalls(world);
 }
 
-double predict(double dt, const WorldOptions& options, Bodies& bodies, MotionRows* rows) {
+double predict(double dt, const WorldOptions& options, Bodies& bodies) {
   LargestWay largest;
   const Bodies::MovingSlots& slots = bodies.stepped();
-  visitByScheme(options, slots.byScheme, [&](const auto& scheme, const auto& place) {
-    largest.take(predictBodies(dt, scheme, place, bodies, rows));
-  });
-  visitBalls(options, slots.balls, [&](const auto& place) { largest.take(predictBalls(dt, place, bodies, rows)); });
+  visitByScheme(options, slots.byScheme,
+                [&](const auto& scheme, const auto& place) { largest.take(predictBodies(dt, scheme, place, bodies)); });
+  visitBalls(options, slots.balls, [&](const auto& place) { largest.take(predictBalls(dt, place, bodies)); });
   visitBalls(options, slots.orientedBalls, [&](const auto& place) { turnBalls(dt, place, bodies); });
   return largest.get();
 }
 
-void predict(double dt, World& world) {
-  world.pairWay += 2 * predict(dt, world.options, world.bodies, rowsOfPredict(world));
-}
+void predict(double dt, World& world) { world.pairWay += 2 * predict(dt, world.options, world.bodies); }
 
 void advance(double dt, const WorldOptions& options, Bodies& bodies) {
   const Bodies::MovingSlots& slots = bodies.stepped();
@@ -220,12 +205,12 @@ void applyLocks(std::size_t first, Bodies& bodies) {
     if (locks < lockRotation(0)) continue;
     if (bodies.isBall(i)) {
       bodies.torque[i] = freeRotation(locks, bodies.torque[i]);
-      bodies.wHalf[i] = freeRotation(locks, bodies.wHalf[i]);
+      bodies.spinHalf(i) = freeRotation(locks, bodies.spinHalf(i));
       continue;
     }
     const Mat3& R = bodies.frame[i].R;
     const Mat3 inertia = R * bodies.inertia[i].asDiagonal() * R.transpose();
-    const Vec3 gyroscopic = bodies.w[i].cross(inertia * bodies.w[i]);
+    const Vec3 gyroscopic = bodies.w(i).cross(inertia * bodies.w(i));
     const Vec3 alpha = freeAcceleration(locks, inertia, freeRotation(locks, bodies.torque[i] - gyroscopic));
     bodies.torque[i] = inertia * alpha + gyroscopic;
     // Rounding must not pile up in the locked directions.
@@ -271,7 +256,6 @@ void startHalfSteps(World& world, double dt, std::size_t first, bool withContact
   land(world);
   if (withContacts) {
     refreshPairs(dt, world);
-    layOutMotion(world);
     beginForces(world);
     makeContacts(0, world);  // no time passes: springs stay as they are
     gatherForces(world);
@@ -286,17 +270,16 @@ void startHalfSteps(World& world, double dt, std::size_t first, bool withContact
   const RotationScheme& scheme = rotationScheme(world.options.integrator);
   for (std::size_t i = first; i < bodies.size(); ++i) {
     if (!bodies.moves(i)) continue;
-    bodies.acceleration[i] = bodies.inverseMass[i] * bodies.force[i];
-    startTranslation(dt, bodies.acceleration[i], bodies.v[i], bodies.vHalf[i]);
+    bodies.acceleration[i] = bodies.inverseMass(i) * bodies.force[i];
+    startTranslation(dt, bodies.acceleration[i], bodies.v(i), bodies.vHalf(i));
     if (bodies.isBall(i)) {
-      bodies.alpha[i] = bodies.inverseInertia[i].cwiseProduct(bodies.torque[i]);
-      startTranslation(dt, bodies.alpha[i], bodies.w[i], bodies.wHalf[i]);
-      bodies.spinHalf[i] = bodies.wHalf[i];
+      bodies.alpha[i] = bodies.inverseInertiaOf(i).cwiseProduct(bodies.torque[i]);
+      startTranslation(dt, bodies.alpha[i], bodies.w(i), bodies.spinHalf(i));
       continue;
     }
-    scheme.start(dt, bodies.inertia[i], bodies.inverseInertia[i], bodies.torque[i], bodies.q[i], bodies.w[i],
+    scheme.start(dt, bodies.inertia[i], bodies.inverseInertia[i], bodies.torque[i], bodies.q[i], bodies.w(i),
                  {bodies.qHalf[i], bodies.wHalf[i], bodies.alpha[i]});
-    bodies.spinHalf[i] = bodies.qHalf[i] * bodies.wHalf[i];
+    bodies.spinHalf(i) = bodies.qHalf[i] * bodies.wHalf[i];
   }
 }
 

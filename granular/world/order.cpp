@@ -52,9 +52,9 @@ std::vector<std::int32_t> orderInSpace(const World& world) {
   double width = 0;
   std::vector<Vec3> places(n);
   for (std::size_t i = 0; i < n; ++i) {
-    places[i] = wrap(world.options.periods, bodies.x[i]);
+    places[i] = wrap(world.options.periods, bodies.x(i));
     box.include(places[i]);
-    width = std::max(width, 2 * bodies.boundingRadius[i]);
+    width = std::max(width, 2 * bodies.boundingRadius(i));
   }
   std::vector<std::uint64_t> code(n);
   for (std::size_t i = 0; i < n; ++i) {

@@ -26,7 +26,7 @@ struct Party {
   Triple<Wide> x;
   Wide radius;
 
-  Party(const std::vector<BallRow>& balls, const std::int32_t* slots) {
+  Party(const std::vector<BoundingSphere>& balls, const std::int32_t* slots) {
     std::array<const double*, wideSize> rows;
     for (std::size_t k = 0; k < wideSize; ++k) rows[k] = balls[at(slots[k])].x.data();
     std::array<Wide, 4> column;
@@ -84,13 +84,13 @@ class SphereLooks {
   void fetch(std::size_t due) const {
     if (due >= chunk.due.count) return;
     const auto b = at(chunk.due.spheres[due].b);
-    __builtin_prefetch(&world.motionRows.balls[b]);
-    fetchWhole(world.motionRows.motion[b]);
+    __builtin_prefetch(&world.bodies.bounds[b]);
+    fetchWhole(world.bodies.motion[b]);
   }
 
   /// Where the spheres of the register from lane k on touch (narrow/ball_touch.h).
   void place(std::size_t k) {
-    const std::vector<BallRow>& balls = world.motionRows.balls;
+    const std::vector<BoundingSphere>& balls = world.bodies.bounds;
     const Party a(balls, &batch.a[k]), b(balls, &batch.b[k]);
     const Triple<Wide> between = b.x + batch.shift.load(k) - a.x;
     const Wide distance = between.norm(), radii = a.radius + b.radius, inside = radii - distance;

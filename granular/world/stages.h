@@ -19,19 +19,13 @@ inline constexpr std::size_t bodiesBeyondCaches = 4096;
 void moveWalls(double dt, World& world);
 /// Positions, orientations and predicted velocities at t_{n+1} of every moving body.
 void predict(double dt, World& world);
-/// The same for bodies alone, with the rows that laws in lanes read of their motion (null: none). Returns a bound on
-/// how far any point of their surfaces moved, m.
-double predict(double dt, const WorldOptions& options, Bodies& bodies, MotionRows* rows);
+/// The same for bodies alone. Returns a bound on how far any point of their surfaces moved, m.
+double predict(double dt, const WorldOptions& options, Bodies& bodies);
 /// Brings the pairs up to date when some surface may have left its grown bounds.
 void refreshPairs(double dt, World& world);
 /// The contacts of all chunks, by the three stages below: chunk after chunk, so that what one stage reads is still near
 /// when the next one reads it.
 void makeContacts(double dt, World& world);
-/// The motion of the bodies in active pairs as rows, for laws in lanes. Nothing for others.
-void layOutMotion(World& world);
-/// Those rows, where predict is to keep them up to date: since the last layOutMotion nobody but moving bodies changed,
-/// and many of these are in active pairs. Else null.
-MotionRows* rowsOfPredict(World& world);
 /// The three stages below at once for a chunk of spheres (sphere_contacts.cpp), of clumps and spheres
 /// (ball_contacts.cpp) or of ellipsoids (ellipsoid_contacts.cpp), in batches; the same bits.
 void makeSphereContacts(double dt, std::size_t c, World& world);

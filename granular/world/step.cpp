@@ -61,7 +61,6 @@ class LapTimer {
 }  // namespace
 
 void makeContacts(double dt, World& world) {
-  if (!rowsOfPredict(world)) layOutMotion(world);
   const bool timed = isTimed(world);
   shareOut(world.chunks.size(), world.chunks.size() >= chunksForThreads, [&](std::size_t c, bool own) {
     world.chunks[c].addsAtOnce = own;

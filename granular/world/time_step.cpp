@@ -184,23 +184,23 @@ TimeStepBound boundOfContacts(const World& world) {
   TimeStepBound result;
   const auto bodyAt = [&](std::size_t i, const Vec3& arm) {
     ContactBody body;
-    body.inverseMass = bodies.inverseMass[i];
-    body.radiusRatio = bodies.radiusRatio[i];
+    body.inverseMass = bodies.inverseMass(i);
+    body.radiusRatio = bodies.radiusRatio(i);
     body.arm = arm;
     const Mat3& R = bodies.frameOf(i).R;
-    body.inverseInertia = R * bodies.inverseInertia[i].asDiagonal() * R.transpose();
+    body.inverseInertia = R * bodies.inverseInertiaOf(i).asDiagonal() * R.transpose();
     return body;
   };
   const auto rests = [&](std::int32_t index) { return index < 0 || !bodies.moves(static_cast<std::size_t>(index)); };
   world.visitContacts([&](const Contact& contact) {
     if (rests(contact.a) && rests(contact.b)) return;  // nothing swings
     const auto a = static_cast<std::size_t>(contact.a);
-    const ContactBody bodyA = bodyAt(a, contact.patch.point - bodies.x[a]);
+    const ContactBody bodyA = bodyAt(a, contact.patch.point - bodies.x(a));
     ContactBody bodyB;
     std::int32_t materialB = 0;
     if (contact.b >= 0) {
       const auto b = static_cast<std::size_t>(contact.b);
-      bodyB = bodyAt(b, contact.patch.point - bodies.x[b] - contact.shift);
+      bodyB = bodyAt(b, contact.patch.point - bodies.x(b) - contact.shift);
       materialB = bodies.material[b];
     } else {
       materialB = world.walls[static_cast<std::size_t>(-1 - contact.b)]->material;

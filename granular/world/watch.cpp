@@ -20,9 +20,9 @@ Trouble troubleOf(const World& world, const std::array<std::int32_t, 2>& parties
 /// Square of a bound on the speed of the surface, m^2/s^2.
 template <class Place>
 typename Place::Real squareSpeed(const Bodies& bodies, const Place& place) {
-  const auto v = place.read(bodies.v), w = place.read(bodies.w);
-  const auto radius = place.read(bodies.boundingRadius);
-  return v.dot(v) + w.dot(w) * radius * radius;
+  const auto motion = place.readNow(bodies.motion);
+  const auto radius = place.read(bodies.bounds).radius;
+  return motion.v.dot(motion.v) + motion.w.dot(motion.w) * radius * radius;
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ void checkDomain(World& world) {
   const Bodies& bodies = world.bodies;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (std::size_t k = 0; k < world.vesselWalls; ++k) {
-      if (world.walls[k]->admits(bodies.x[i])) continue;
+      if (world.walls[k]->admits(bodies.x(i))) continue;
       world.report.add({Trouble::Kind::escaped, world.time, bodies.id[i], -1, world.walls[k]->name, 0});
     }
   }

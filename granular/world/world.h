@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "granular/body/motion_rows.h"
+#include "granular/body/bodies.h"
 #include "granular/energy/ledger.h"
 #include "granular/integrate/integrator.h"
 #include "granular/law/materials.h"
@@ -133,7 +133,6 @@ struct World {
   std::vector<double> quietWay;
   bool historiesFiled = true;          ///< none is with a chunk's due pairs (fileHistories)
   std::vector<std::int32_t> met;       ///< slots of the bodies that are part of active pairs
-  MotionRows motionRows;               ///< how those move, for laws in lanes
   std::vector<std::int32_t> gathered;  ///< slots whose forces a step sums: the moving, and sleepers near them
   /// Each thread makes the contacts of a run of chunks and adds what they do to their bodies at once, in the order of
   /// the contacts, but for bodies that an earlier run names as well: by slot, the first one that does. Empty if there

@@ -76,7 +76,7 @@ TEST(Ledger, OfAFreeFallTurnsPotentialIntoKineticEnergyToRoundOff) {
   auto world = makeWorld({});
   addBall(*world, Vec3(0, 0, 1), Vec3(.1, 0, .2), Vec3(3, 4, 5));
   const double mass = world->bodies.mass[0], dt = 1e-5;
-  const double start = .5 * mass * .05 + .5 * world->bodies.inertia[0].x() * 50 + mass * 9.81;
+  const double start = .5 * mass * .05 + .5 * world->bodies.inertiaOf(0).x() * 50 + mass * 9.81;
   run(*world, dt, .1);
   const EnergyLedger& ledger = world->ledger;
   // t_{n+1/2}: half a step on.
@@ -192,7 +192,7 @@ TEST(Ledger, OfASlidingBlockTurnsItsKineticEnergyIntoFrictionHeat) {
   const double before = .5 * mass * .01, stop = .1 / (.3 * 9.81);
   run(*world, dt, .9 * stop);
   const EnergyLedger& ledger = world->ledger;
-  EXPECT_NEAR(ledger.friction / (.3 * mass * 9.81 * world->bodies.x[0].x()), 1, 1e-3);
+  EXPECT_NEAR(ledger.friction / (.3 * mass * 9.81 * world->bodies.x(0).x()), 1, 1e-3);
   EXPECT_NEAR(ledger.relativeResidual(), 0, 1e-4);
   run(*world, dt, .3 * stop);
   EXPECT_NEAR((ledger.friction + ledger.tangentialDashpots + ledger.tangentialSprings) / before, 1, 2e-3);
@@ -309,8 +309,8 @@ std::vector<double> stateOf(const World& world) {
   std::vector<double> state;
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
-      state.push_back(world.bodies.x[i][k]);
-      state.push_back(world.bodies.wHalf[i][k]);
+      state.push_back(world.bodies.x(i)[k]);
+      state.push_back(world.bodies.wHalfOf(i)[k]);
     }
   }
   return state;

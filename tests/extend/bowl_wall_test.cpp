@@ -38,10 +38,10 @@ void addBody(World& world, std::shared_ptr<const Shape> shape, const Vec3& x) {
 double findPeriod(World& world, double dt) {
   startHalfSteps(world, dt, 0, true);
   std::vector<double> passages;
-  double before = world.bodies.x[0].x();
+  double before = world.bodies.x(0).x();
   while (passages.size() < 3 && world.time < 3) {
     step(world, dt);
-    const double now = world.bodies.x[0].x();
+    const double now = world.bodies.x(0).x();
     if (before * now <= 0) passages.push_back(world.time - dt * now / (now - before));
     before = now;
   }
@@ -76,7 +76,7 @@ TEST(BowlWall, LetsHertzsBallSinkInByTheCurvatureOfBoth) {
   const double dt = 1e-5;
   startHalfSteps(*world, dt, 0, true);
   for (int n = 0; n < 40000; ++n) step(*world, dt);
-  EXPECT_NEAR(-world->bodies.x[0].z() - (bowl - ball), rest, 1e-6 * rest);
+  EXPECT_NEAR(-world->bodies.x(0).z() - (bowl - ball), rest, 1e-6 * rest);
 }
 
 TEST(BowlWall, CarriesTheWeightOfBallsAndClumpsThatFallIn) {
@@ -107,7 +107,7 @@ TEST(BowlWall, CarriesTheWeightOfBallsAndClumpsThatFallIn) {
   startHalfSteps(*world, dt, 0, false);
   while (world->time < 1.5) step(*world, dt);
   EXPECT_NEAR(-world->wallForces[0].z(), weight, 1e-3 * weight);
-  for (std::size_t i = 0; i < world->bodies.size(); ++i) EXPECT_LT(world->bodies.x[i].norm() + r, 1.01 * bowl) << i;
+  for (std::size_t i = 0; i < world->bodies.size(); ++i) EXPECT_LT(world->bodies.x(i).norm() + r, 1.01 * bowl) << i;
 }
 
 TEST(BowlWall, RefusesARadiusThatIsNone) {

@@ -89,7 +89,7 @@ TEST(BoxCentreRule, CreatesNeitherMomentumNorAngularMomentum) {
     double largest = 0;
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
       force += world.bodies.force[i];
-      torque += world.bodies.torque[i] + world.bodies.x[i].cross(world.bodies.force[i]);
+      torque += world.bodies.torque[i] + world.bodies.x(i).cross(world.bodies.force[i]);
       largest = std::max(largest, world.bodies.force[i].norm());
     }
     contacts += world.contactCount();

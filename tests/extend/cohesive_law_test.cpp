@@ -87,11 +87,11 @@ TEST(CohesiveLaw, HoldsABallUnderACeilingUntilItWeighsMoreThanThePull) {
     const double rest = (pull - weight) / stiffness;
     auto world = hangBall(pull, 0.5, gravity, 0.9 * rest, 0);
     run(*world, dt, 0.1);
-    EXPECT_NEAR(world->bodies.x[0].z() + radius, rest, 1e-6 * rest) << pull / weight;
+    EXPECT_NEAR(world->bodies.x(0).z() + radius, rest, 1e-6 * rest) << pull / weight;
   }
   auto world = hangBall(0.99 * weight, 0.5, gravity, 1e-12, 0);
   run(*world, dt, 0.1);
-  EXPECT_LT(world->bodies.x[0].z(), -10 * radius);
+  EXPECT_LT(world->bodies.x(0).z(), -10 * radius);
 }
 
 TEST(CohesiveLaw, HasTheRestitutionOfADampedOscillatorWithAConstantPull) {
@@ -103,7 +103,7 @@ TEST(CohesiveLaw, HasTheRestitutionOfADampedOscillatorWithAConstantPull) {
       auto world = hangBall(pull, restitution, Vec3::Zero(), -0.5 * speed * dt, speed);
       run(*world, dt, 4e-3);
       EXPECT_EQ(world->contactCount(), 0u);
-      EXPECT_NEAR(-world->bodies.v[0].z() / speed, expected, 2e-3) << restitution << ' ' << speed;
+      EXPECT_NEAR(-world->bodies.v(0).z() / speed, expected, 2e-3) << restitution << ' ' << speed;
     }
   }
   EXPECT_NEAR(PulledOscillator(0.8, 0, 0.3).restitution(), 0.8, 1e-9);
@@ -123,7 +123,7 @@ TEST(CohesiveLaw, CatchesWhatComesTooSlowly) {
     run(*world, dt, 2e-2);
     EXPECT_EQ(world->contactCount(), speed < slow ? 1u : 0u) << speed / slow;
     if (speed > slow) continue;
-    EXPECT_NEAR(world->bodies.x[0].z() + radius, pull / stiffness, 1e-3 * pull / stiffness);
+    EXPECT_NEAR(world->bodies.x(0).z() + radius, pull / stiffness, 1e-3 * pull / stiffness);
   }
 }
 

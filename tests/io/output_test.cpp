@@ -317,10 +317,11 @@ TEST_F(ResultTest, ParticleAndContactTablesNameIds) {
   Bodies bodies;
   for (std::size_t k = 0; k < 3; ++k) {
     bodies.id.push_back(ids[k]);
-    bodies.x.push_back(frames[k].x);
+    bodies.bounds.push_back({frames[k].x, 1});
     bodies.q.push_back(Quat(frames[k].R));
-    bodies.v.push_back(Vec3(1, 2, 3));
-    bodies.w.push_back(Vec3(4, 5, 6));
+    bodies.motion.emplace_back();
+    bodies.v(k) = Vec3(1, 2, 3);
+    bodies.w(k) = Vec3(4, 5, 6);
     bodies.mass.push_back(0.5);
     bodies.shape.push_back(shapes[k]);
     bodies.shapeIndex.push_back(static_cast<std::int32_t>(k));

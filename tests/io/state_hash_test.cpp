@@ -49,9 +49,9 @@ TEST(StateHash, ChangesWithTheLastBitOfEveryNumber) {
   };
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
-      expectChange(bodies.x[i][k]);
-      expectChange(bodies.v[i][k]);
-      expectChange(bodies.w[i][k]);
+      expectChange(bodies.x(i)[k]);
+      expectChange(bodies.v(i)[k]);
+      expectChange(bodies.w(i)[k]);
     }
     for (int k = 0; k < 4; ++k) expectChange(bodies.q[i].coeffs()[k]);
   }

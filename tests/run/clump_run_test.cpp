@@ -33,7 +33,7 @@ TEST_F(ClumpRun, ThreeHundredDumbbellsPourIntoAVesselAndRest) {
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     const Aabb box = world.bodies.shape[i]->bounds(world.bodies.frameOf(i));
     EXPECT_GT(box.lo.z(), -2e-4);
-    EXPECT_LT(world.bodies.x[i].head<2>().norm(), 12e-3);
+    EXPECT_LT(world.bodies.x(i).head<2>().norm(), 12e-3);
   }
   // Floor and vessel carry the weight of all, and what little the bed still swings.
   const Bodies& bodies = world.bodies;
@@ -59,7 +59,7 @@ TEST_F(ClumpRun, LockedParticlesStayInTheirPlane) {
   ASSERT_EQ(run.run(makeFolder("plane"), never), RunEnd::rested);
   const Bodies& bodies = run.world().bodies;
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(bodies.x[i].y(), 0);
+    EXPECT_EQ(bodies.x(i).y(), 0);
     EXPECT_LT(std::abs(bodies.frameOf(i).R(1, 0)) + std::abs(bodies.frameOf(i).R(1, 2)), 1e-9);
   }
 }

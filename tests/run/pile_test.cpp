@@ -102,8 +102,8 @@ TEST_F(Pile, OfEllipsoidsAndOfClumpsIsMeasured) {
     const World& world = run.world();
     ASSERT_EQ(world.bodies.size(), 30u);
     for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-      EXPECT_EQ(world.bodies.x[i].y(), 0);
-      EXPECT_GT(world.bodies.x[i].x(), 0);
+      EXPECT_EQ(world.bodies.x(i).y(), 0);
+      EXPECT_GT(world.bodies.x(i).x(), 0);
     }
     const PileResult result = writePileReport(run, end, 1, folder / name);
     ASSERT_TRUE(result.angle && result.porosity && result.porositySmooth);
@@ -168,7 +168,7 @@ TEST_F(Pile, InSpaceRunsThroughTheHopper) {
   PackingRun run(writeScene(settings, "cone"));
   ASSERT_NE(run.run(folder / "cone", never), RunEnd::trouble);
   // All fell through, none through the hopper's sides.
-  for (const Vec3& x : run.world().bodies.x) EXPECT_LT(x.z(), settings.outlet);
+  for (const BoundingSphere& sphere : run.world().bodies.bounds) EXPECT_LT(sphere.x.z(), settings.outlet);
   const PileResult result = writePileReport(run, RunEnd::rested, 1, folder / "cone");
   EXPECT_FALSE(result.porosity);
   EXPECT_GT(result.height.value_or(0), 0);

@@ -25,7 +25,7 @@ class Settle : public RunTest {
     const auto frozen = std::count(world.bodies.state.begin(), world.bodies.state.end(), BodyState::frozen);
     EXPECT_GE(world.contactCount(), particles - static_cast<std::size_t>(frozen));
     for (std::size_t i = 0; i < particles; ++i) {
-      EXPECT_GT(world.bodies.x[i].z(), 0);
+      EXPECT_GT(world.bodies.x(i).z(), 0);
       EXPECT_NE(world.bodies.state[i], BodyState::asleep) << "rest must hold with every body awake";
     }
   }
@@ -61,7 +61,7 @@ TEST_F(Settle, FrozenBodiesDoNotMove) {
     if (before.state[i] != BodyState::frozen) continue;
     ++frozen;
     EXPECT_EQ(later.world().bodies.state[i], BodyState::frozen);
-    EXPECT_EQ(later.world().bodies.x[i], before.x[i]);
+    EXPECT_EQ(later.world().bodies.x(i), before.x(i));
     EXPECT_EQ(later.world().bodies.orientation(i).coeffs(), before.orientation(i).coeffs());
   }
   EXPECT_GT(frozen, 0u);
@@ -75,7 +75,7 @@ TEST_F(Settle, ABatchThatBeginsToFallIsNotTakenForOneAtRest) {
                                     24);
   const Bodies& bodies = run.world().bodies;
   double top = 0;
-  for (std::size_t i = 0; i < bodies.size(); ++i) top = std::max(top, bodies.x[i].z());
+  for (std::size_t i = 0; i < bodies.size(); ++i) top = std::max(top, bodies.x(i).z());
   // None hangs where it was inserted, 20 mm above the bed.
   EXPECT_LT(top, 0.020);
 }
@@ -111,7 +111,7 @@ TEST_F(Settle, ABedOfAnEarlierRunStaysWhereItRested) {
   for (std::size_t i = 0; i < 24; ++i) {
     const Bodies &before = first.world().bodies, &after = second.world().bodies;
     EXPECT_EQ(before.mass[i], after.mass[i]);
-    EXPECT_LT((before.x[i] - after.x[i]).norm(), 0.1 * before.shape[i]->size()) << i;
+    EXPECT_LT((before.x(i) - after.x(i)).norm(), 0.1 * before.shape[i]->size()) << i;
   }
 }
 

@@ -46,11 +46,11 @@ using TroubleAnswered = TroubleTest;
 TEST_F(TroubleSeen, WhatIsNoNumberInTheStepInWhichABodyMovesByIt) {
   Trouble::Kind kind{};
   PackingRun velocity = makeSettled();
-  velocity.world().bodies.vHalf[4].y() = nan;
+  velocity.world().bodies.vHalf(4).y() = nan;
   EXPECT_EQ(stepsUntilTold(velocity, kind), 1);
   EXPECT_EQ(kind, Trouble::Kind::nonFinite);
   PackingRun spin = makeSettled();
-  spin.world().bodies.wHalf[4].y() = infinity;
+  spin.world().bodies.wHalfOf(4).y() = infinity;
   EXPECT_EQ(stepsUntilTold(spin, kind), 1);
   EXPECT_EQ(kind, Trouble::Kind::nonFinite);
   // The force of a step moves the body in the next.
@@ -63,11 +63,11 @@ TEST_F(TroubleSeen, WhatIsNoNumberInTheStepInWhichABodyMovesByIt) {
 TEST_F(TroubleSeen, SpeedAndOverlapBeyondTheLimitsInTheSameStep) {
   Trouble::Kind kind{};
   PackingRun fast = makeSettled();
-  fast.world().bodies.vHalf[18].z() = 0.6 * 1.5e-3 / fast.timeStep();  // the topmost, upwards
+  fast.world().bodies.vHalf(18).z() = 0.6 * 1.5e-3 / fast.timeStep();  // the topmost, upwards
   EXPECT_EQ(stepsUntilTold(fast, kind), 1);
   EXPECT_EQ(kind, Trouble::Kind::tooFast);
   PackingRun deep = makeSettled();
-  deep.world().bodies.x[4] = deep.world().bodies.x[3] + Vec3(2e-3, 0, 0);
+  deep.world().bodies.x(4) = deep.world().bodies.x(3) + Vec3(2e-3, 0, 0);
   deep.world().search.invalidate();
   EXPECT_EQ(stepsUntilTold(deep, kind), 1);
   EXPECT_EQ(kind, Trouble::Kind::deepOverlap);
@@ -77,7 +77,7 @@ TEST_F(TroubleSeen, ABodyOutsideAtTheNextLookAtTheBed) {
   // Half a millimetre behind the wall is a deep overlap too, which this scene accepts.
   PackingRun run = makeSettled({"limits.max_overlap=10"});
   const double before = run.world().time;
-  run.world().bodies.x[18].x() = 7.5e-3 + 0.5e-3;
+  run.world().bodies.x(18).x() = 7.5e-3 + 0.5e-3;
   run.world().search.invalidate();
   EXPECT_EQ(run.run(makeFolder("out"), never), RunEnd::trouble);
   ASSERT_FALSE(run.world().report.troubles.empty());
@@ -94,8 +94,8 @@ TEST_F(TroubleSeen, EnergyFromNothingAtTheNextLookAtTheBed) {
   PackingRun shaken = PackingRun::resumed(out, {"time.max_time=1"});
   const double before = shaken.world().time;
   for (std::size_t i = 0; i < shaken.world().bodies.size(); ++i) {
-    shaken.world().bodies.vHalf[i].z() += 0.2;
-    shaken.world().bodies.v[i].z() += 0.2;
+    shaken.world().bodies.vHalf(i).z() += 0.2;
+    shaken.world().bodies.v(i).z() += 0.2;
   }
   EXPECT_EQ(shaken.run(out, never), RunEnd::trouble);
   ASSERT_FALSE(shaken.world().report.troubles.empty());

@@ -57,8 +57,8 @@ TEST(UsersShape, TwoHundredPourIntoABox) {
   EXPECT_LT(world.report.deepestOverlap, 0.08);
   EXPECT_TRUE(world.report.troubles.empty());
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    const Vec3& x = world.bodies.x[i];
-    ASSERT_TRUE(x.allFinite() && world.bodies.orientation(i).coeffs().allFinite() && world.bodies.v[i].allFinite());
+    const Vec3& x = world.bodies.x(i);
+    ASSERT_TRUE(x.allFinite() && world.bodies.orientation(i).coeffs().allFinite() && world.bodies.v(i).allFinite());
     EXPECT_GT(x.z(), 0);
     EXPECT_LT(x.head<2>().cwiseAbs().maxCoeff(), half);
   }

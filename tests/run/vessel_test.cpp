@@ -32,7 +32,7 @@ TEST_F(VesselOfARun, IsFilledToItsRimAndNoFurther) {
     // Spheres fill about half of a narrow vessel: some 20 of them.
     EXPECT_GT(bodies.size(), 10u);
     EXPECT_LT(bodies.size(), 40u);
-    for (std::size_t i = 0; i < bodies.size(); ++i) EXPECT_LE(bodies.x[i].z() + 1.5e-3, 10.1e-3);
+    for (std::size_t i = 0; i < bodies.size(); ++i) EXPECT_LE(bodies.x(i).z() + 1.5e-3, 10.1e-3);
     const RunResult result = writeReport(run, RunEnd::rested, 1, out);
     ASSERT_FALSE(result.notes.empty());
     expectMentions(result.notes.front(), {"full", "of 60 particles", "rim at 0.01 m"});

@@ -143,8 +143,8 @@ void compareWithFullSearches(const SearchOptions& options, As as) {
   for (int n = 0; n < 60; ++n) {
     for (std::size_t i = static_cast<std::size_t>(n % 3) + 1; i < bodies.size(); i += 20) {
       const Vec3 way = 2e-3 * random.uniform() * random.direction();
-      bodies.x[i] += way;
-      if (bodies.haveOrientations()) bodies.frame[i].x = bodies.x[i];
+      bodies.x(i) += way;
+      if (bodies.haveOrientations()) bodies.frame[i].x = bodies.x(i);
       bodies.travel[i] += way.norm();
     }
     if (n == 30) bodies.release(200);  // at rest among others at rest: nobody looked for its pairs with them
@@ -187,9 +187,9 @@ void lookForMissedPairs(As as) {
   int refreshed = 0;
   for (int n = 0; n < 400; ++n) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
-      bodies.x[i] += dt * bodies.vHalf[i];
-      bodies.travel[i] += dt * bodies.vHalf[i].norm();
-      if (bodies.haveOrientations()) bodies.frame[i].x = bodies.x[i];
+      bodies.x(i) += dt * bodies.vHalf(i);
+      bodies.travel[i] += dt * bodies.vHalf(i).norm();
+      if (bodies.haveOrientations()) bodies.frame[i].x = bodies.x(i);
     }
     if (search.isDue(bodies, 0)) {
       search.refreshPairs(bodies, dt, 0, list);
@@ -198,7 +198,7 @@ void lookForMissedPairs(As as) {
     const std::set<Key> keys = keysOf(list);
     for (std::int32_t i = 0; i < 300; ++i) {
       for (std::int32_t j = i + 1; j < 300; ++j) {
-        if ((bodies.x[static_cast<std::size_t>(i)] - bodies.x[static_cast<std::size_t>(j)]).norm() < 2e-3) {
+        if ((bodies.x(static_cast<std::size_t>(i)) - bodies.x(static_cast<std::size_t>(j))).norm() < 2e-3) {
           ASSERT_TRUE(keys.count({i, j, Image{0, 0, 0}})) << i << " " << j << " step " << n;
         }
       }
@@ -227,7 +227,7 @@ TEST(Search, BallsAreListedIfTheyMayMeetBeforeTheNextSearchAndOnlyThen) {
     for (std::int32_t i = 0; i < 300; ++i) {
       for (std::int32_t j = i + 1; j < 300; ++j) {
         const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
-        Vec3 between = bodies.x[b] - bodies.x[a];
+        Vec3 between = bodies.x(b) - bodies.x(a);
         Image image{0, 0, 0};
         for (int k = 0; k < 2 && period > 0; ++k) {
           image[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(-std::round(between[k] / period));
@@ -250,8 +250,8 @@ void lookForImages(As as) {
   Bodies bodies = makeBodies(150, width, sphere, random, as);
   // Some bodies have left the domain: their images must still be found.
   for (std::size_t i = 0; i < bodies.size(); i += 5) {
-    bodies.x[i] += Vec3(3 * width, -width, 0);
-    if (bodies.haveOrientations()) bodies.frame[i].x = bodies.x[i];
+    bodies.x(i) += Vec3(3 * width, -width, 0);
+    if (bodies.haveOrientations()) bodies.frame[i].x = bodies.x(i);
   }
   SearchOptions options;
   options.periods.length = Vec3(width, width, 0);
@@ -264,14 +264,14 @@ void lookForImages(As as) {
   std::set<Key> touching;
   for (const Pair& pair : list.pairs) {
     const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
-    const Vec3 between = bodies.x[b] + options.periods.shift(pair.image) - bodies.x[a];
+    const Vec3 between = bodies.x(b) + options.periods.shift(pair.image) - bodies.x(a);
     if (between.norm() >= 1.6e-3) continue;
     EXPECT_TRUE(touching.insert({pair.a, pair.b, Image{0, 0, 0}}).second);
   }
   std::size_t expected = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
-      Vec3 d = bodies.x[j] - bodies.x[i];
+      Vec3 d = bodies.x(j) - bodies.x(i);
       for (int k = 0; k < 2; ++k) d[k] -= width * std::round(d[k] / width);
       if (d.norm() < 1.6e-3) ++expected;
     }
@@ -322,8 +322,8 @@ TEST(Search, MemoryOfAPairSurvivesARefresh) {
   list.memory.makeHistories();
   const std::int32_t slot = list.pairs[1].slot;
   list.memory.history[static_cast<std::size_t>(slot)].twist = 7;
-  bodies.x[0].x() -= 5e-3;  // the first pair goes
-  if (bodies.haveOrientations()) bodies.frame[0].x = bodies.x[0];
+  bodies.x(0).x() -= 5e-3;  // the first pair goes
+  if (bodies.haveOrientations()) bodies.frame[0].x = bodies.x(0);
   search.refreshPairs(bodies, 1e-6, 0, list);
   ASSERT_EQ(list.pairs.size(), 1u);
   EXPECT_EQ(list.pairs[0].slot, slot);

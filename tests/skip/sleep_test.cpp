@@ -34,7 +34,7 @@ class SleepOfOne : public ::testing::Test {
   double go(double duration, const Course& velocity, const Course& force) {
     const bool before = asleep();
     for (int n = 0; n * dt < duration; ++n, time += dt) {
-      if (!asleep()) bodies.v[0] = velocity(time);
+      if (!asleep()) bodies.v(0) = velocity(time);
       bodies.force[0] = force(time);
       updateSleep(options, gravity, dt, true, {0}, {load}, bodies, state);
       if (asleep() != before) return time;

@@ -17,7 +17,7 @@ std::shared_ptr<const Shape> shapeOf(const char* name, double a, double b, doubl
 
 bool isFinite(const World& world) {
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    if (!world.bodies.x[i].allFinite() || !world.bodies.v[i].allFinite() || !world.bodies.w[i].allFinite() ||
+    if (!world.bodies.x(i).allFinite() || !world.bodies.v(i).allFinite() || !world.bodies.w(i).allFinite() ||
         !world.bodies.orientation(i).coeffs().allFinite())
       return false;
   }
@@ -93,7 +93,7 @@ TEST(Masses, AMillionfoldLoadRestsOnALightCube) {
   const double dt = .5 * boundOfContacts(*world).bound;
   startHalfSteps(*world, dt, 0, true);
   for (int n = 0; n < 20000; ++n) step(*world, dt);
-  EXPECT_NEAR(world->bodies.x[1].z(), 3 * half - below - overlap, 1e-4 * overlap);
+  EXPECT_NEAR(world->bodies.x(1).z(), 3 * half - below - overlap, 1e-4 * overlap);
   EXPECT_LT((world->bodies.orientation(1).vec()).norm() + world->bodies.orientation(0).vec().norm(), 1e-6);
   EXPECT_EQ(world->report.narrow.uncertified, 0u);
 }
@@ -220,13 +220,13 @@ TEST(Alignment, ABlockOfCubesWithCommonFacesEdgesAndCornersStands) {
       const int row = k / 3 % 3, layer = k / 9;
       place(*world, cube, half * Vec3(2 * (k % 3), 2 * row, 1 + 2 * layer));
     }
-    const std::vector<Vec3> before = world->bodies.x;
+    const std::vector<BoundingSphere> before = world->bodies.bounds;
     runFor(*world, 5e-6, 5e-3);
     EXPECT_TRUE(isFinite(*world));
     EXPECT_EQ(world->report.narrow.uncertified, 0u);
     EXPECT_LT(world->report.deepestOverlap, 1e-3) << pointRuleName(rule);
     for (std::size_t i = 0; i < before.size(); ++i)
-      EXPECT_LT((world->bodies.x[i] - before[i]).norm(), 1e-2 * half) << pointRuleName(rule);
+      EXPECT_LT((world->bodies.x(i) - before[i].x).norm(), 1e-2 * half) << pointRuleName(rule);
   }
 }
 

@@ -98,7 +98,7 @@ TEST(Flow, WallThatSlidesUpCarriesWhatJanssenSays) {
 
   double top = 0, weight = 0;
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    top = std::max(top, world.bodies.x[i].z());
+    top = std::max(top, world.bodies.x(i).z());
     weight += world.bodies.mass[i] * earth;
   }
   // Push and friction of the wall, and weight, by height.
@@ -118,7 +118,7 @@ TEST(Flow, WallThatSlidesUpCarriesWhatJanssenSays) {
     });
   }
   for (std::size_t i = 0; i < world.bodies.size(); ++i)
-    load[binOf(world.bodies.x[i].z())] += world.bodies.mass[i] * earth;
+    load[binOf(world.bodies.x(i).z())] += world.bodies.mass[i] * earth;
 
   double pushes = 0, rubs = 0, carried = 0, pushesBetween = 0, carriedBetween = 0;
   for (int bin = bins - 1; bin >= 0; --bin) {
@@ -189,8 +189,9 @@ Discharge measureDischarge(double orifice, double gravity) {
   const auto comeBack = [&] {
     while (true) {
       const Vec3 x(random.uniform(-silo, silo), random.uniform(-silo, silo), random.uniform(34, 60) * radius);
-      const auto meets = [&](const Vec3& other) { return (other - x).norm() < 2.3 * radius; };
-      if (inside(x) && std::none_of(world->bodies.x.begin(), world->bodies.x.end(), meets)) return placeAny(x);
+      const auto meets = [&](const BoundingSphere& other) { return (other.x - x).norm() < 2.3 * radius; };
+      if (inside(x) && std::none_of(world->bodies.bounds.begin(), world->bodies.bounds.end(), meets))
+        return placeAny(x);
     }
   };
   const double dt = stepFor(world->bodies.mass[0], stiffness), unit = std::sqrt(2 * radius / gravity);
@@ -203,7 +204,7 @@ Discharge measureDischarge(double orifice, double gravity) {
     step(*world, dt);
     if (n % 50 != 0) continue;
     std::vector<bool> gone(world->bodies.size());
-    for (std::size_t i = 0; i < gone.size(); ++i) gone[i] = world->bodies.x[i].z() < -4 * radius;
+    for (std::size_t i = 0; i < gone.size(); ++i) gone[i] = world->bodies.x(i).z() < -4 * radius;
     const auto left = std::count(gone.begin(), gone.end(), true);
     if (left == 0) continue;
     const double at = (n * dt / unit - begin) / part;

@@ -137,9 +137,9 @@ TEST(Hertz, BodiesRestAsDeepAsTheirCurvatureSays) {
               {"ellipsoid on its tip", grain, upright, a, b * b / a}};
   for (const auto& row : rows) {
     Resting resting(row.shape, row.q, row.height, row.radius, .3);
-    resting.world->bodies.x[0].z() += 0.5 * resting.depth;
+    resting.world->bodies.x(0).z() += 0.5 * resting.depth;
     runFor(*resting.world, .02 / resting.omega, 100 / resting.omega);
-    const double depth = row.height - resting.world->bodies.x[0].z();
+    const double depth = row.height - resting.world->bodies.x(0).z();
     verify('k', fmt::format("{} on a plane: depth at rest, um", row.name), 1e6 * resting.depth, 1e6 * depth,
            1e6 * resting.depth * 1e-6, "closed form (m g/(4/3 E* sqrt R))^(2/3); what swings on after 100 radians");
   }
@@ -155,10 +155,10 @@ TEST(Hertz, SwingsAtTheRatioOfItsStiffnesses) {
   startHalfSteps(world, dt, 0, true);
   // The first crossings of x = 0 upwards, interpolated.
   std::vector<double> crossings;
-  double before = world.bodies.x[0].x();
+  double before = world.bodies.x(0).x();
   while (crossings.size() < 11) {
     step(world, dt);
-    const double now = world.bodies.x[0].x();
+    const double now = world.bodies.x(0).x();
     if (before < 0 && now >= 0) crossings.push_back(world.time - dt * now / (now - before));
     before = now;
   }

@@ -124,7 +124,7 @@ TEST(Impacts, StickingContactTurnsTheTangentialVelocityByTheRatioOfStiffnesses) 
     auto world = makeWorld(plainOptions(), {stiffness, 1, 1, 1e9});
     addFloor(*world);
     place(*world, sphereOf(radius), {0, 0, radius * (1 + 1e-9)});
-    world->bodies.radiusRatio[0] = (1 / ratio - 1) / mass;
+    world->bodies.motion[0].radiusRatio = (1 / ratio - 1) / mass;
     move(*world, 0, {.1, 0, -normal});
     ASSERT_TRUE(runThroughContact(*world, pi * std::sqrt(mass / stiffness) / steps, 8000));
     const double after = (velocityOf(*world, 0).x() - radius * spinOf(*world, 0).y()) / .1;

@@ -71,7 +71,7 @@ std::vector<double> trace(const Layout& layout, int steps) {
   std::vector<double> state;
   for (std::size_t k = 0; k < 6; ++k) {
     const std::size_t i = layout.reversed ? 5 - k : k;
-    const Vec3 x = layout.turn.conjugate() * (world->bodies.x[i] - layout.shift) / layout.scale;
+    const Vec3 x = layout.turn.conjugate() * (world->bodies.x(i) - layout.shift) / layout.scale;
     Quat q = layout.turn.conjugate() * world->bodies.orientation(i);
     for (int c = 0; c < 3; ++c) state.push_back(x[c] / 1.5e-3);
     for (int c = 0; c < 3; ++c) state.push_back(std::copysign(1.0, q.w()) * q.vec()[c]);
@@ -158,7 +158,7 @@ TEST(Invariances, MomentumIsConservedToRoundOff) {
   move(*world, 0, {0, 0, .5});
   const auto momentum = [&] {
     Vec3 sum = Vec3::Zero();
-    for (std::size_t i = 0; i < world->bodies.size(); ++i) sum += world->bodies.mass[i] * world->bodies.vHalf[i];
+    for (std::size_t i = 0; i < world->bodies.size(); ++i) sum += world->bodies.mass[i] * world->bodies.vHalf(i);
     return sum;
   };
   startHalfSteps(*world, dt, 0, true);

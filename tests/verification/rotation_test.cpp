@@ -27,7 +27,7 @@ RotationError flyFree(SchemeKind scheme, const FreeTop& top, double time, int st
   startHalfSteps(*world, time / steps, 0, true);
   for (int n = 0; n < steps; ++n) step(*world, time / steps);
   const Quat q = top.orientation(time);
-  return {world->bodies.orientation(0).angularDistance(q), (world->bodies.w[0] - q * top.velocityBody(time)).norm()};
+  return {world->bodies.orientation(0).angularDistance(q), (world->bodies.w(0) - q * top.velocityBody(time)).norm()};
 }
 
 /// A scheme alone under a torque of q and w (world axes).
@@ -108,7 +108,7 @@ TEST(Rotation, BodySpunAboutItsIntermediateAxisFlips) {
   WorldOptions options = plainOptions();
   auto world = makeWorld(options, ContactParameters{});
   place(*world, cuboidOf({3e-3, 2e-3, 1e-3}), Vec3::Zero());
-  const Vec3 I = world->bodies.inertia[0];
+  const Vec3 I = world->bodies.inertiaOf(0);
   ASSERT_LT(I.x(), I.y());
   ASSERT_LT(I.y(), I.z());
   const Vec3 w0(1e-1, 100, 0);
@@ -137,7 +137,7 @@ TEST(Rotation, BodySpunAboutItsIntermediateAxisFlips) {
   double last = w0.y();
   while (crossings.size() < 2 && world->time < 4 * flip) {
     step(*world, dt);
-    const double now = (world->bodies.orientation(0).conjugate() * world->bodies.w[0]).y();
+    const double now = (world->bodies.orientation(0).conjugate() * world->bodies.w(0)).y();
     if (now * last < 0) crossings.push_back(world->time - dt * now / (now - last));
     last = now;
   }

@@ -38,17 +38,17 @@ inline std::size_t place(World& world, const std::shared_ptr<const Shape>& shape
 }
 
 inline void move(World& world, std::size_t i, const Vec3& velocity, const Vec3& spin = Vec3::Zero()) {
-  world.bodies.v[i] = velocity;
-  world.bodies.w[i] = spin;
+  world.bodies.v(i) = velocity;
+  world.bodies.w(i) = spin;
 }
 
 /// The half space z > 0.
 inline void addFloor(World& world) { world.walls.push_back(makePlaneWall(Vec3::Zero(), Vec3::UnitZ())); }
 
 /// Velocity and spin (world axes) at the half step: exact once nothing touches.
-inline Vec3 velocityOf(const World& world, std::size_t i) { return world.bodies.vHalf[i]; }
+inline Vec3 velocityOf(const World& world, std::size_t i) { return world.bodies.vHalf(i); }
 inline Vec3 spinOf(const World& world, std::size_t i) {
-  return world.bodies.orientationHalf(i) * world.bodies.wHalf[i];
+  return world.bodies.orientationHalf(i) * world.bodies.wHalfOf(i);
 }
 
 /// Steps until the contact that comes has ended; false if it doesn't within `steps`.

@@ -37,13 +37,13 @@ TEST(Slopes, BlockSticksBelowTheAngleOfFrictionOnItsStretchedSpring) {
   const double mu = .4, angle = std::atan(.98 * mu);
   auto world = makeBlock(angle, flat, {1e5, .3, .3, mu});
   runFor(*world, stepOf(*world, .02), .3);
-  verifyBelow('d', "block at .98 of the friction angle: speed after .3 s, m/s", 1e-12, world->bodies.v[0].norm(),
+  verifyBelow('d', "block at .98 of the friction angle: speed after .3 s, m/s", 1e-12, world->bodies.v(0).norm(),
               "exact: at rest; round-off of forces");
   Vec3 spring = Vec3::Zero();
   for (const SpotHistory& spot : world->pairs.wallPairs[0].spots) spring += spot.history.spring;
   ContactBody body;
-  body.inverseMass = world->bodies.inverseMass[0];
-  body.radiusRatio = world->bodies.radiusRatio[0];
+  body.inverseMass = world->bodies.inverseMass(0);
+  body.radiusRatio = world->bodies.radiusRatio(0);
   const double k =
       stiffnessOf(LawKind::linear, world->materials.constants(0, 0), {}, body, {}, Vec3::UnitZ()).tangential;
   const double shift = world->bodies.mass[0] * gravity * std::sin(angle) / k;
@@ -58,10 +58,10 @@ TEST(Slopes, BlockSlidesAboveTheAngleOfFriction) {
     auto world = makeBlock(angle, flat, {1e5, .3, .3, mu});
     const double dt = stepOf(*world, .02);
     runFor(*world, dt, .3);
-    const double before = world->bodies.vHalf[0].x();
+    const double before = world->bodies.vHalf(0).x();
     const double start = world->time;
     for (int n = 0; n < 20000; ++n) step(*world, dt);
-    const double got = (world->bodies.vHalf[0].x() - before) / (world->time - start);
+    const double got = (world->bodies.vHalf(0).x() - before) / (world->time - start);
     const double expected = gravity * (std::sin(angle) - mu * std::cos(angle));
     verify('d', fmt::format("block at {} of tan = mu: acceleration/(g (sin t - mu cos t))", factor), 1, got / expected,
            1e-3, "exact; .1 %");
@@ -87,7 +87,7 @@ TEST(Slopes, SecondBlockThatTouchesNothingChangesNothing) {
     auto world = makeBlock(std::atan(.39), flat, {1e5, .3, .3, .4});
     if (second) place(*world, cuboidOf(flat), {0, .2, 1e-3 + 1e-4});
     runFor(*world, stepOf(*world, .02), .05);
-    for (int k = 0; k < 3; ++k) states[second].push_back(world->bodies.x[0][k]);
+    for (int k = 0; k < 3; ++k) states[second].push_back(world->bodies.x(0)[k]);
     for (int k = 0; k < 4; ++k) states[second].push_back(world->bodies.orientation(0).coeffs()[k]);
   }
   verifyThat('d', "a second block far away leaves every bit of the first", states[0] == states[1], "same forces");
@@ -108,13 +108,13 @@ TEST(Slopes, SlidingBallStartsToRollAtTheClosedForm) {
   const double dt = stepOf(*world, .02);
   runFor(*world, dt, time);
   // Position exactly at the closed form's time: the runs end within a step of it.
-  const double x = world->bodies.x[0].x() + (time - world->time) * world->bodies.v[0].x();
+  const double x = world->bodies.x(0).x() + (time - world->time) * world->bodies.v(0).x();
   verify('d', "ball from sliding to rolling: v/(5/7 v0) after 2 v0/(7 mu g)", 1,
-         world->bodies.v[0].x() / (5.0 / 7 * v0), 1e-3, "exact; .1 %");
+         world->bodies.v(0).x() / (5.0 / 7 * v0), 1e-3, "exact; .1 %");
   verify('d', "ball from sliding to rolling: x/(12 v0^2/(49 mu g))", 1, x / (12 * v0 * v0 / (49 * mu * gravity)), 1e-3,
          "exact; .1 %");
   for (int n = 0; n < 20000; ++n) step(*world, dt);
-  verify('d', "ball rolls on: v/(R w)", 1, world->bodies.v[0].x() / (3e-3 * world->bodies.w[0].y()), 1e-3,
+  verify('d', "ball rolls on: v/(R w)", 1, world->bodies.v(0).x() / (3e-3 * world->bodies.w(0).y()), 1e-3,
          "exact; .1 %");
 }
 
@@ -124,7 +124,7 @@ TEST(Slopes, BallRollsDownWithFiveSevenths) {
   auto world = makeBall(angle, 1.02 * 2.0 / 7 * std::tan(angle));
   runFor(*world, stepOf(*world, .02), .3);
   verify('d', "ball on an incline: v/(5/7 g sin t T)", 1,
-         world->bodies.v[0].x() / (5.0 / 7 * gravity * std::sin(angle) * world->time), 1e-3, "exact; .1 %");
+         world->bodies.v(0).x() / (5.0 / 7 * gravity * std::sin(angle) * world->time), 1e-3, "exact; .1 %");
 }
 
 }  // namespace

@@ -86,7 +86,7 @@ TEST(Stacks, EachInterfaceCarriesTheWeightAbove) {
                 worstForceError(*world), rocks ? "statics, after .4 s of decay" : "statics, from a static start");
     double lateral = 0;
     for (std::size_t k = 0; k < blocks.size(); ++k)
-      lateral = std::max(lateral, std::abs(world->bodies.x[k].x() - blocks[k].offset));
+      lateral = std::max(lateral, std::abs(world->bodies.x(k).x() - blocks[k].offset));
     verifyBelow('e', fmt::format("six cubes, {}: drift / side", c.name), 1e-3, lateral / (2 * half), "stands");
   }
 }
@@ -103,9 +103,9 @@ bool standsOverhang(int n, double factor, double stiffness, double time) {
   }
   blocks[0].half = Vec3(20 * half, 4 * half, half);
   auto world = makeTower(blocks, {stiffness, .3, .3, .8});
-  const double height = world->bodies.x.back().z();
+  const double height = world->bodies.bounds.back().x.z();
   runFor(*world, stepOf(*world, .1), time);
-  return world->bodies.x.back().z() > height - .2 * half;
+  return world->bodies.bounds.back().x.z() > height - .2 * half;
 }
 
 TEST(Stacks, HarmonicOverhangStandsJustInsideAndFallsJustOutside) {

@@ -590,8 +590,8 @@ TEST(LaneLooks, InBatchesMoveByTheSameBitsWhoeverSharesTheirBatch) {
     const auto stateOfThese = [](const World& world) {
       std::vector<double> state;
       for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-        if (world.bodies.x[i].x() > .5) continue;
-        for (int k = 0; k < 3; ++k) state.insert(state.end(), {world.bodies.x[i][k], world.bodies.w[i][k]});
+        if (world.bodies.x(i).x() > .5) continue;
+        for (int k = 0; k < 3; ++k) state.insert(state.end(), {world.bodies.x(i)[k], world.bodies.w(i)[k]});
       }
       return state;
     };

@@ -119,7 +119,7 @@ double impactError(double stiffness) {
   body.spin = Vec3(0, spin, 0);
   world->addBody(body);
 
-  const double m = world->bodies.mass[0], inertia = world->bodies.inertia[0].y();
+  const double m = world->bodies.mass[0], inertia = world->bodies.inertiaOf(0).y();
   const double arm = 0.5 * distance * std::cos(tilt);  // of the contact, along x
   const double hit = speed + spin * arm;               // downwards: (w x r)_z = -spin * arm
   const double impulse = 2 * hit / (1 / m + arm * arm / inertia);
@@ -135,7 +135,7 @@ double impactError(double stiffness) {
     touched = touched || touches;
   }
   EXPECT_TRUE(touched);
-  const double v = world->bodies.v[0].z(), w = world->bodies.w[0].y();
+  const double v = world->bodies.v(0).z(), w = world->bodies.w(0).y();
   return std::abs(v - speedAfter) / speed + std::abs(w - spinAfter) / spin;
 }
 
@@ -231,7 +231,7 @@ std::size_t compareWithFreshLook(const World& world) {
     size = std::min(size, bodies.shape[i]->size());
     for (std::int32_t b = a + 1; b < n; ++b) {
       const auto j = static_cast<std::size_t>(b);
-      if ((bodies.x[i] - bodies.x[j]).norm() > bodies.boundingRadius[i] + bodies.boundingRadius[j]) continue;
+      if ((bodies.x(i) - bodies.x(j)).norm() > bodies.boundingRadius(i) + bodies.boundingRadius(j)) continue;
       for (const auto& [c, touch] :
            touchAllChildren({*bodies.shape[i], bodies.frame[i], *bodies.shape[j], bodies.frame[j]}))
         fresh[{a, b, c.childA, c.childB, 0}] = touch.overlap;
@@ -314,14 +314,14 @@ double momentumError(double dt) {
   const auto spinOf = [&] {
     Vec3 sum = Vec3::Zero();
     for (std::size_t i = 0; i < 2; ++i)
-      sum += m * bodies.x[i].cross(bodies.v[i]) +
-             bodies.frame[i].rotate(bodies.inertia[i].cwiseProduct(bodies.frame[i].unrotate(bodies.w[i])));
+      sum += m * bodies.x(i).cross(bodies.v(i)) +
+             bodies.frame[i].rotate(bodies.inertiaOf(i).cwiseProduct(bodies.frame[i].unrotate(bodies.w(i))));
     return sum;
   };
   const Vec3 before = spinOf();
   run(*world, dt, static_cast<int>(0.02 / dt));
   EXPECT_GT(world->report.contactSteps, 30u);
-  EXPECT_LT((bodies.vHalf[0] + bodies.vHalf[1]).norm(), 1e-13);
+  EXPECT_LT((bodies.vHalf(0) + bodies.vHalf(1)).norm(), 1e-13);
   return (spinOf() - before).norm() / (m * 0.2 * 1e-3);
 }
 
@@ -363,8 +363,8 @@ TEST(Locks, KeepABodyInItsPlaneAndTurnItAboutTheFreeAxisAlone) {
   run(*world, 5e-6, 60000);
   EXPECT_GT(world->report.contactSteps, 100u);
   const Bodies& bodies = world->bodies;
-  EXPECT_EQ(bodies.x[0].y(), 7e-3);
-  EXPECT_LT(std::abs(bodies.w[0].x()) + std::abs(bodies.w[0].z()), 1e-10);
+  EXPECT_EQ(bodies.x(0).y(), 7e-3);
+  EXPECT_LT(std::abs(bodies.w(0).x()) + std::abs(bodies.w(0).z()), 1e-10);
   // Turned about y: what lay along y still does.
   EXPECT_LT((bodies.frame[0].R.transpose() * Vec3::UnitY() - before.transpose() * Vec3::UnitY()).norm(), 1e-9);
 }
@@ -381,7 +381,7 @@ TEST(Locks, APhysicalPendulumAboutALockedAxisHasItsAngularAcceleration) {
   const Vec3 torque(1e-6, 2e-6, 3e-6);
   bodies.torque[0] = torque;
   applyLocks(0, bodies);
-  const Mat3 inertia = bodies.frame[0].R * bodies.inertia[0].asDiagonal() * bodies.frame[0].R.transpose();
+  const Mat3 inertia = bodies.frame[0].R * bodies.inertiaOf(0).asDiagonal() * bodies.frame[0].R.transpose();
   const Vec3 alpha = inertia.inverse() * bodies.torque[0];
   EXPECT_NEAR(alpha.y(), torque.y() / inertia(1, 1), 1e-12 * std::abs(alpha.y()));
   EXPECT_LT(std::hypot(alpha.x(), alpha.z()), 1e-12 * std::abs(alpha.y()));
@@ -401,8 +401,8 @@ TEST(Locks, KeepTheTorqueInFreeDirectionsAndSpinUpNoOthers) {
     const Vec3 torque = 1e-6 * random.direction();
     bodies.torque[0] = torque;
     applyLocks(0, bodies);
-    const Mat3 inertia = bodies.frame[0].R * bodies.inertia[0].asDiagonal() * bodies.frame[0].R.transpose();
-    const Vec3 gyroscopic = bodies.w[0].cross(inertia * bodies.w[0]);
+    const Mat3 inertia = bodies.frame[0].R * bodies.inertiaOf(0).asDiagonal() * bodies.frame[0].R.transpose();
+    const Vec3 gyroscopic = bodies.w(0).cross(inertia * bodies.w(0));
     const Vec3 alpha = inertia.inverse() * (bodies.torque[0] - gyroscopic);
     const double large = (inertia.inverse() * (torque + gyroscopic)).norm();
     for (int axis = 0; axis < 3; ++axis) {

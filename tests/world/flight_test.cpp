@@ -122,7 +122,7 @@ TEST(Flight, OfPeriodicDomainsAndWithSeveralThreadsHasTheSameBits) {
     world->walls.push_back(makePlaneWall(Vec3::Zero(), Vec3::UnitZ()));
     testing::addLattice({addShape("sphere", {1e-3}, *world), addShape("cuboid", {1e-3, .8e-3, .7e-3}, *world)}, 12,
                         8e-3, 40, *world);
-    for (Vec3& v : world->bodies.v) v.x() += 2;
+    for (MotionRow& row : world->bodies.motion) row.v.x() += 2;
     testing::run(*world, dt, 1500);
     land(*world);
     EXPECT_GT(world->report.contactSteps, 1000u);

@@ -53,9 +53,9 @@ inline void run(World& world, double dt, int steps) {
 inline std::vector<double> stateOf(const World& world) {
   std::vector<double> state;
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    for (int k = 0; k < 3; ++k) state.push_back(world.bodies.x[i][k]);
+    for (int k = 0; k < 3; ++k) state.push_back(world.bodies.x(i)[k]);
     for (int k = 0; k < 4; ++k) state.push_back(world.bodies.orientation(i).coeffs()[k]);
-    for (int k = 0; k < 3; ++k) state.push_back(world.bodies.w[i][k]);
+    for (int k = 0; k < 3; ++k) state.push_back(world.bodies.w(i)[k]);
   }
   return state;
 }

@@ -57,14 +57,14 @@ std::unique_ptr<World> makeFlight(const WorldOptions& options, int count, const 
 /// Forces and torques that depend on the state.
 void pull(Bodies& bodies) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    bodies.force[i] = bodies.mass[i] * Vec3(-1e4 * bodies.x[i] - bodies.v[i]);
-    bodies.torque[i] = bodies.mass[i] * Vec3(-1e-4 * bodies.w[i] + 1e-3 * bodies.x[i]);
+    bodies.force[i] = bodies.mass[i] * Vec3(-1e4 * bodies.x(i) - bodies.v(i));
+    bodies.torque[i] = bodies.mass[i] * Vec3(-1e-4 * bodies.w(i) + 1e-3 * bodies.x(i));
   }
 }
 
 /// Moves the bodies under those forces alone.
 void moveOneStep(World& world) {
-  predict(1e-5, world.options, world.bodies, nullptr);
+  predict(1e-5, world.options, world.bodies);
   pull(world.bodies);
   applyLocks(0, world.bodies);
   advance(1e-5, world.options, world.bodies);
@@ -93,7 +93,7 @@ TEST_P(Motion, InLanesHasTheSameBitsAsOneByOne) {
           for (auto& world : worlds) moveOneStep(*world);
           ASSERT_TRUE(isSameBits(bitsOf(*worlds[0]), bitsOf(*worlds[1]))) << count << " bodies, step " << n;
         }
-        for (const Vec3& w : worlds[0]->bodies.w) EXPECT_TRUE(w.allFinite());
+        for (const MotionRow& row : worlds[0]->bodies.motion) EXPECT_TRUE(row.w.allFinite());
       }
     }
   }
@@ -115,9 +115,9 @@ TEST_P(Motion, HasTheSameBitsWhetherSomebodyFollowsHowBallsLieOrNot) {
   EXPECT_EQ(left.stepped().orientedBalls.size(), 0u);
   EXPECT_EQ(followed.stepped().orientedBalls.size(), 20u);
   for (std::size_t i = 0; i < left.size(); ++i) {
-    EXPECT_EQ(left.x[i], followed.x[i]);
-    EXPECT_EQ(left.w[i], followed.w[i]);
-    EXPECT_EQ(left.spinHalf[i], followed.spinHalf[i]);
+    EXPECT_EQ(left.x(i), followed.x(i));
+    EXPECT_EQ(left.w(i), followed.w(i));
+    EXPECT_EQ(left.spinHalf(i), followed.spinHalf(i));
     EXPECT_EQ(left.travel[i], followed.travel[i]);
     EXPECT_EQ(left.q[i].coeffs(), (left.isBall(i) ? Quat::Identity() : followed.q[i]).coeffs());
   }
@@ -139,21 +139,21 @@ TEST(Motion, OfABallUnderAConstantTorqueIsExact) {
   body.spin = Vec3(10, 20, -40);
   world->addBody(body);
   Bodies& bodies = world->bodies;
-  const double moment = bodies.inertia[0].x();
+  const double moment = bodies.inertiaOf(0).x();
   const Vec3 torque = 2000 * moment * axis;
   // The half steps begin with the torque.
   for (std::size_t i = 0; i < 2; ++i) {
     bodies.alpha[i] = torque / moment;
-    bodies.wHalf[i] = bodies.w[i] + 0.5 * dt * bodies.alpha[i];
+    bodies.wHalfOf(i) = bodies.w(i) + 0.5 * dt * bodies.alpha[i];
   }
-  const Vec3 other = bodies.w[1];
+  const Vec3 other = bodies.w(1);
   for (int n = 0; n < steps; ++n) {
-    predict(dt, options, bodies, nullptr);
+    predict(dt, options, bodies);
     for (std::size_t i = 0; i < 2; ++i) bodies.torque[i] = torque;
     advance(dt, options, bodies);
   }
-  EXPECT_LT((bodies.w[0] - (30 + 2000 * time) * axis).norm(), 1e-11);
-  EXPECT_LT((bodies.w[1] - other - 2000 * time * axis).norm(), 1e-11);
+  EXPECT_LT((bodies.w(0) - (30 + 2000 * time) * axis).norm(), 1e-11);
+  EXPECT_LT((bodies.w(1) - other - 2000 * time * axis).norm(), 1e-11);
   const Quat turn(Eigen::AngleAxisd(30 * time + 0.5 * 2000 * time * time, axis));
   EXPECT_LT(bodies.q[0].angularDistance(turn * body.pose.q), 1e-12);
   EXPECT_EQ(bodies.frame[0].R, bodies.q[0].toRotationMatrix());
@@ -167,18 +167,18 @@ TEST_P(Motion, OfABodyAloneIsThatOfTheTable) {
   const RotationScheme& scheme = rotationScheme(GetParam());
   Bodies alone = bodies;
   for (int n = 0; n < 20; ++n) {
-    predict(1e-5, options, bodies, nullptr);
+    predict(1e-5, options, bodies);
     pull(bodies);
     advance(1e-5, options, bodies);
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       if (bodies.isBall(i)) continue;
-      scheme.predict(1e-5, alone.qHalf[i], alone.wHalf[i], alone.alpha[i], alone.q[i], alone.w[i]);
-      scheme.advance(1e-5, alone.inertia[i], alone.inverseInertia[i], bodies.torque[i], alone.q[i], alone.w[i],
+      scheme.predict(1e-5, alone.qHalf[i], alone.wHalf[i], alone.alpha[i], alone.q[i], alone.w(i));
+      scheme.advance(1e-5, alone.inertia[i], alone.inverseInertia[i], bodies.torque[i], alone.q[i], alone.w(i),
                      {alone.qHalf[i], alone.wHalf[i], alone.alpha[i]});
       ASSERT_EQ(bodies.q[i].coeffs(), alone.q[i].coeffs());
-      ASSERT_EQ(bodies.w[i], alone.w[i]);
+      ASSERT_EQ(bodies.w(i), alone.w(i));
       ASSERT_EQ(bodies.frame[i].R, bodies.q[i].toRotationMatrix());
-      ASSERT_EQ(bodies.frame[i].x, bodies.x[i]);
+      ASSERT_EQ(bodies.frame[i].x, bodies.x(i));
     }
   }
 }
@@ -192,16 +192,16 @@ TEST_P(Motion, WholeStepsInLanesHaveTheSameBitsAndTroubleAsOneByOne) {
     options.integrator = GetParam();
     options.maxSpeed = 1.5;
     worlds[oneByOne] = makeFlight(options, 61, {true, false, true});
-    for (const std::size_t i : {10u, 60u}) worlds[oneByOne]->bodies.vHalf[i] *= 2;
+    for (const std::size_t i : {10u, 60u}) worlds[oneByOne]->bodies.vHalf(i) *= 2;
   }
   for (int n = 0; n < 20; ++n) {
     for (auto& world : worlds) step(*world, 1e-7);
     ASSERT_TRUE(isSameBits(bitsOf(*worlds[0]), bitsOf(*worlds[1]))) << "step " << n;
   }
-  worlds[0]->bodies.vHalf[20].x() = worlds[1]->bodies.vHalf[20].x() = std::nan("");
+  worlds[0]->bodies.vHalf(20).x() = worlds[1]->bodies.vHalf(20).x() = std::nan("");
   for (auto& world : worlds) watch(*world);
   for (auto& world : worlds) {
-    predict(1e-7, world->options, world->bodies, nullptr);
+    predict(1e-7, world->options, world->bodies);
     watch(*world);
   }
   EXPECT_EQ(worlds[0]->report.troubleCounts, worlds[1]->report.troubleCounts);

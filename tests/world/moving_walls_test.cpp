@@ -67,7 +67,7 @@ TEST(MovingWalls, ThatDriftWithTheBodiesChangeNothing) {
   EXPECT_GT(moving->report.contactSteps, 500u);
   for (std::size_t i = 0; i < 4; ++i) {
     // Round-off alone: 1e-17 m a step, which a tumbling cube multiplies at each impact.
-    EXPECT_LT((moving->bodies.x[i] - drift * moving->time - still->bodies.x[i]).norm(), 1e-11);
+    EXPECT_LT((moving->bodies.x(i) - drift * moving->time - still->bodies.x(i)).norm(), 1e-11);
     EXPECT_LT(moving->bodies.orientation(i).angularDistance(still->bodies.orientation(i)), 1e-8);
   }
 }
@@ -85,9 +85,9 @@ TEST(MovingWalls, DragAPlateWithCoulombsForceUntilItGoesAlong) {
   world->addBody(plate);
   runTo(*world, 0.02);
   // Full friction but for the time in which the spring winds up: its stretch mu m g/k_t over the speed, below 0.1 ms.
-  EXPECT_NEAR(world->bodies.v[0].x(), friction * gravity * world->time, friction * gravity * 1e-4);
+  EXPECT_NEAR(world->bodies.v(0).x(), friction * gravity * world->time, friction * gravity * 1e-4);
   runTo(*world, 0.1);
-  EXPECT_NEAR(world->bodies.v[0].x(), 0.1, 1e-6);
+  EXPECT_NEAR(world->bodies.v(0).x(), 0.1, 1e-6);
 }
 
 TEST(MovingWalls, ShakeACubeThatStaysOnTheFloor) {
@@ -105,7 +105,7 @@ TEST(MovingWalls, ShakeACubeThatStaysOnTheFloor) {
     step(*world, dt);
     const double floor = path.placeAt(world->time).x.z();
     // The overlap carries m (g + a), and rings no more than the floor's jerk makes it in a contact time.
-    const double overlap = half - (world->bodies.x[0].z() - floor);
+    const double overlap = half - (world->bodies.x(0).z() - floor);
     EXPECT_NEAR(overlap, mass * (gravity - omega * omega * floor) / stiffness, 0.02 * mass * gravity / stiffness);
   }
 }
@@ -136,7 +136,7 @@ TEST(MovingWalls, WakeWhomTheyMeet) {
   EXPECT_EQ(world->bodies.state[0], BodyState::moving);
   // The wall's way less the gap, and the overlap with which it pushes against friction.
   const double push = friction * mass * gravity / stiffness;
-  EXPECT_NEAR(world->bodies.x[0].x(), 0.05 * 0.1 - 0.5 * half - push, 2e-6);
+  EXPECT_NEAR(world->bodies.x(0).x(), 0.05 * 0.1 - 0.5 * half - push, 2e-6);
 }
 
 TEST(MovingWalls, TurnACubeOnATurntable) {
@@ -146,12 +146,12 @@ TEST(MovingWalls, TurnACubeOnATurntable) {
   addFloor(*world, path);
   const double radius = 5e-3;  // 5^2 * 5 mm is below mu g
   addCube(*world, resting + radius * Vec3::UnitX(), Vec3(0, 5 * radius, 0));
-  world->bodies.w[0] = Vec3(0, 0, 5);
+  world->bodies.w(0) = Vec3(0, 0, 5);
   runTo(*world, 0.3);
   const Vec3 there = path.placeAt(world->time).toWorld(radius * Vec3::UnitX());
   // It creeps by the stretch of its friction spring as that force turns round.
-  EXPECT_LT((world->bodies.x[0].head<2>() - there.head<2>()).norm(), 1e-6);
-  EXPECT_NEAR(world->bodies.w[0].z(), 5, 1e-3);
+  EXPECT_LT((world->bodies.x(0).head<2>() - there.head<2>()).norm(), 1e-6);
+  EXPECT_NEAR(world->bodies.w(0).z(), 5, 1e-3);
 }
 
 }  // namespace

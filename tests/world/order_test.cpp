@@ -26,7 +26,7 @@ double largestDifference(const World& a, const World& b, double size) {
     const auto i = static_cast<std::size_t>(slotsA[k]), j = static_cast<std::size_t>(slotsB[k]);
     EXPECT_EQ(a.bodies.id[i], b.bodies.id[j]);
     largest = std::max(
-        {largest, (a.bodies.x[i] - b.bodies.x[j]).norm(), 1e-3 * size * (a.bodies.w[i] - b.bodies.w[j]).norm()});
+        {largest, (a.bodies.x(i) - b.bodies.x(j)).norm(), 1e-3 * size * (a.bodies.w(i) - b.bodies.w(j)).norm()});
   }
   return largest;
 }

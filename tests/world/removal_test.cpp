@@ -118,7 +118,7 @@ TEST(Removal, OfASupportWakesWhatItHeldUp) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const bool above = bodies.id[i] == 4 || bodies.id[i] == 5;
     const int layer = static_cast<int>(bodies.id[i] % layers) - above;
-    EXPECT_NEAR(bodies.x[i].z(), (layer + 0.5) * side, 1e-3 * side) << bodies.id[i];
+    EXPECT_NEAR(bodies.x(i).z(), (layer + 0.5) * side, 1e-3 * side) << bodies.id[i];
   }
 }
 

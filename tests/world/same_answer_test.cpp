@@ -100,8 +100,8 @@ TEST(SameAnswer, OfSpheresWhetherSomebodyFollowsHowTheyLieOrNot) {
     const auto left = with(false), followed = with(true);
     EXPECT_GT(left->report.contactSteps, 5000u);
     for (std::size_t i = 0; i < left->bodies.size(); ++i) {
-      EXPECT_EQ(left->bodies.x[i], followed->bodies.x[i]);
-      EXPECT_EQ(left->bodies.w[i], followed->bodies.w[i]);
+      EXPECT_EQ(left->bodies.x(i), followed->bodies.x(i));
+      EXPECT_EQ(left->bodies.w(i), followed->bodies.w(i));
       EXPECT_EQ(left->bodies.frameOf(i).R, Mat3::Identity());
       EXPECT_NE(followed->bodies.frameOf(i).R, Mat3::Identity());
     }
@@ -121,7 +121,7 @@ TEST(SameAnswer, OfEveryFamilyWithinWhatOverlapsAreCertifiedToWhateverIsLeftOut)
     const auto world = runWith(change, steps);
     for (std::size_t i = 0; i < reference->bodies.size(); ++i) {
       const double limit = 1e-9 * size * (1 + stiffness * time * time / (2 * reference->bodies.mass[i]));
-      EXPECT_LT((reference->bodies.x[i] - world->bodies.x[i]).norm(), limit) << i;
+      EXPECT_LT((reference->bodies.x(i) - world->bodies.x(i)).norm(), limit) << i;
     }
   }
 }

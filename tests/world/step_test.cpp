@@ -43,9 +43,9 @@ TEST(Step, FreeFallFollowsTheParabola) {
   run(*world, 1e-3, 500);
   const double t = 0.5;
   // Leapfrog is exact for a constant acceleration: round-off of 500 additions of order 1.
-  EXPECT_NEAR(world->bodies.x[0].x(), 0.3 * t, 500 * 1e-16);
-  EXPECT_NEAR(world->bodies.x[0].z(), 1 + t - 0.5 * 9.81 * t * t, 500 * 2e-16);
-  EXPECT_NEAR(world->bodies.v[0].z(), 1 - 9.81 * t, 500 * 1e-15);
+  EXPECT_NEAR(world->bodies.x(0).x(), 0.3 * t, 500 * 1e-16);
+  EXPECT_NEAR(world->bodies.x(0).z(), 1 + t - 0.5 * 9.81 * t * t, 500 * 2e-16);
+  EXPECT_NEAR(world->bodies.v(0).z(), 1 - 9.81 * t, 500 * 1e-15);
 }
 
 TEST(Step, SameBitsForOneTwoAndFourThreads) {
@@ -78,7 +78,7 @@ std::size_t compareWithFreshSearch(const World& world) {
   for (std::int32_t a = 0; a < n; ++a) {
     for (std::int32_t b = a + 1; b < n; ++b) {
       const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-      const bool near = (bodies.x[i] - bodies.x[j]).norm() < bodies.boundingRadius[i] + bodies.boundingRadius[j];
+      const bool near = (bodies.x(i) - bodies.x(j)).norm() < bodies.boundingRadius(i) + bodies.boundingRadius(j);
       const auto known = found.find({a, b});
       WarmCache cache;
       NarrowCounts counts;
@@ -127,14 +127,14 @@ TEST(Step, ContactsConserveMomentum) {
   world->walls.clear();
   const auto momentum = [&] {
     Vec3 sum = Vec3::Zero();
-    for (std::size_t i = 0; i < world->bodies.size(); ++i) sum += world->bodies.mass[i] * world->bodies.vHalf[i];
+    for (std::size_t i = 0; i < world->bodies.size(); ++i) sum += world->bodies.mass[i] * world->bodies.vHalf(i);
     return sum;
   };
   startHalfSteps(*world, 5e-6, 0, true);
   const Vec3 before = momentum();
   std::uint64_t contacts = 0;
   double flow = 0;
-  for (std::size_t i = 0; i < world->bodies.size(); ++i) flow += world->bodies.mass[i] * world->bodies.vHalf[i].norm();
+  for (std::size_t i = 0; i < world->bodies.size(); ++i) flow += world->bodies.mass[i] * world->bodies.vHalf(i).norm();
   for (int n = 0; n < 4000; ++n) {
     step(*world, 5e-6);
     contacts += world->contactCount();
