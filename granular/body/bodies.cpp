@@ -113,7 +113,7 @@ std::size_t Bodies::add(const NewBody& body, const Shape& bodyShape, Turning ofB
   bounds.push_back({body.pose.x, bodyShape.boundingRadius()});
   // S 13 with its averages over the surface: <r^2>/<I>, <I> the mean principal moment.
   motion.push_back(
-      {velocity, spin, unit.meanSquareRadius / moments.mean(), 0, velocity, spin, 1 / kilograms, moments.x()});
+      {velocity, spin, unit.meanSquareRadius / moments.mean(), 0, velocity, 1 / kilograms, spin, moments.x()});
   acceleration.push_back(Vec3::Zero());
   alpha.push_back(Vec3::Zero());
   force.push_back(Vec3::Zero());

@@ -18,9 +18,10 @@ struct alignas(64) MotionRow {
   Vec3 v, w;           ///< at t_n (predicted)
   double radiusRatio;  ///< <r^2>/<I> of S 13, 1/kg
   double unused = 0;
-  Vec3 vHalf, spinHalf;  ///< at the half step
-  double inverseMass;    ///< 1/kg; 0 for bodies that are frozen
-  double inertia;        ///< of a ball, about any axis, kg m^2
+  Vec3 vHalf;          ///< at the half step
+  double inverseMass;  ///< 1/kg; 0 for bodies that are frozen
+  Vec3 spinHalf;       ///< at the half step
+  double inertia;      ///< of a ball, about any axis, kg m^2
 
   /// Its two halves of eight numbers each.
   const double* now() const { return v.data(); }

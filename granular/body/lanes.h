@@ -8,15 +8,13 @@
 
 namespace granular {
 
-// Halves of the MotionRow of one body or of several side by side.
-template <class Real>
-struct MotionNow {
-  Triple<Real> v, w;
-};
+/// What the second half of a MotionRow of one body holds, or of several side by side.
 template <class Real>
 struct MotionAtHalf {
-  Triple<Real> v, spin;
-  Real inverseMass, inertia;
+  Triple<Real> v;
+  Real inverseMass;
+  Triple<Real> spin;
+  Real inertia;
 };
 /// A BoundingSphere.
 template <class Real>
@@ -54,19 +52,24 @@ class OneBody {
   void write(const SphereOf<double>& sphere, std::vector<BoundingSphere>& rows) const {
     rows[i] = {toVec3(sphere.x), sphere.radius};
   }
-  MotionNow<double> readNow(const std::vector<MotionRow>& rows) const {
-    return {toTriple(rows[i].v), toTriple(rows[i].w)};
+  /// One vector of the rows.
+  Triple<double> read(const std::vector<MotionRow>& rows, Vec3 MotionRow::*which) const {
+    return toTriple(rows[i].*which);
   }
-  MotionAtHalf<double> readHalf(const std::vector<MotionRow>& rows) const {
-    return {toTriple(rows[i].vHalf), toTriple(rows[i].spinHalf), rows[i].inverseMass, rows[i].inertia};
+  void write(const Triple<double>& value, std::vector<MotionRow>& rows, Vec3 MotionRow::*which) const {
+    rows[i].*which = toVec3(value);
   }
   void writeNow(const Triple<double>& v, const Triple<double>& w, std::vector<MotionRow>& rows) const {
     rows[i].v = toVec3(v);
     rows[i].w = toVec3(w);
   }
-  void writeHalf(const Triple<double>& v, const Triple<double>& spin, std::vector<MotionRow>& rows) const {
-    rows[i].vHalf = toVec3(v);
-    rows[i].spinHalf = toVec3(spin);
+  MotionAtHalf<double> readHalf(const std::vector<MotionRow>& rows) const {
+    const MotionRow& row = rows[i];
+    return {toTriple(row.vHalf), row.inverseMass, toTriple(row.spinHalf), row.inertia};
+  }
+  void writeHalf(const MotionAtHalf<double>& half, std::vector<MotionRow>& rows) const {
+    rows[i].vHalf = toVec3(half.v);
+    rows[i].spinHalf = toVec3(half.spin);
   }
 
  private:
@@ -138,22 +141,28 @@ class WideBodies {
       storeRows(Quadruple<Wide>{sphere.x.x, sphere.x.y, sphere.x.z, sphere.radius}, 4, to);
     });
   }
-  MotionNow<Wide> readNow(const std::vector<MotionRow>& rows) const {
-    std::array<Wide, 6> m;
-    loadRows(each<const double*>([&](std::size_t i) { return rows[i].now(); }), m);
-    return {{m[0], m[1], m[2]}, {m[3], m[4], m[5]}};
+  Triple<Wide> read(const std::vector<MotionRow>& rows, Vec3 MotionRow::*which) const {
+    std::array<Wide, 3> m;
+    loadRows(each<const double*>([&](std::size_t i) { return (rows[i].*which).data(); }), m);
+    return {m[0], m[1], m[2]};
   }
-  MotionAtHalf<Wide> readHalf(const std::vector<MotionRow>& rows) const {
-    std::array<Wide, 8> m;
-    loadRows(each<const double*>([&](std::size_t i) { return rows[i].half(); }), m);
-    return {{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, m[6], m[7]};
+  void write(const Triple<Wide>& value, std::vector<MotionRow>& rows, Vec3 MotionRow::*which) const {
+    storeRows<3>({value.x, value.y, value.z}, each<double*>([&](std::size_t i) { return (rows[i].*which).data(); }),
+                 count);
   }
   void writeNow(const Triple<Wide>& v, const Triple<Wide>& w, std::vector<MotionRow>& rows) const {
     storeRows<6>({v.x, v.y, v.z, w.x, w.y, w.z}, each<double*>([&](std::size_t i) { return rows[i].now(); }), count);
   }
-  void writeHalf(const Triple<Wide>& v, const Triple<Wide>& spin, std::vector<MotionRow>& rows) const {
-    storeRows<6>({v.x, v.y, v.z, spin.x, spin.y, spin.z}, each<double*>([&](std::size_t i) { return rows[i].half(); }),
-                 count);
+  MotionAtHalf<Wide> readHalf(const std::vector<MotionRow>& rows) const {
+    std::array<Wide, 8> m;
+    loadRows(each<const double*>([&](std::size_t i) { return rows[i].half(); }), m);
+    return {{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}, m[7]};
+  }
+  /// All of it, a line of the cache: what the bodies are like is what was read.
+  void writeHalf(const MotionAtHalf<Wide>& half, std::vector<MotionRow>& rows) const {
+    const Triple<Wide>&v = half.v, &spin = half.spin;
+    storeRows<8>({v.x, v.y, v.z, half.inverseMass, spin.x, spin.y, spin.z, half.inertia},
+                 each<double*>([&](std::size_t i) { return rows[i].half(); }), count);
   }
 
  private:

@@ -52,6 +52,17 @@ inline std::array<Wide, 4> turnFours(const Wide& r0, const Wide& r1, const Wide&
           __builtin_shufflevector(xz01, xz23, 2, 3, 10, 11, 6, 7, 14, 15),
           __builtin_shufflevector(yw01, yw23, 2, 3, 10, 11, 6, 7, 14, 15)};
 }
+/// Eight rows of four columns: rows 0 and 2, 1 and 3, 4 and 6, 5 and 7 one behind the other.
+inline std::array<Wide, 4> turnBack(const Wide& x, const Wide& y, const Wide& z, const Wide& w) {
+  const Wide xyEven = __builtin_shufflevector(x, y, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Wide xyOdd = __builtin_shufflevector(x, y, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Wide zwEven = __builtin_shufflevector(z, w, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Wide zwOdd = __builtin_shufflevector(z, w, 1, 9, 3, 11, 5, 13, 7, 15);
+  return {__builtin_shufflevector(xyEven, zwEven, 0, 1, 8, 9, 2, 3, 10, 11),
+          __builtin_shufflevector(xyOdd, zwOdd, 0, 1, 8, 9, 2, 3, 10, 11),
+          __builtin_shufflevector(xyEven, zwEven, 4, 5, 12, 13, 6, 7, 14, 15),
+          __builtin_shufflevector(xyOdd, zwOdd, 4, 5, 12, 13, 6, 7, 14, 15)};
+}
 inline Wide joinHalves(__m256d low, __m256d high) {
   return Wide(_mm512_insertf64x4(_mm512_castpd256_pd512(low), high, 1));
 }
@@ -79,18 +90,12 @@ inline void loadRows(const double* rows, std::size_t stride, Quadruple<Wide>& q)
 }
 inline void storeRows(const Quadruple<Wide>& q, std::size_t stride, double* rows) {
 #if defined(__AVX512F__)
-  const Wide xyEven = __builtin_shufflevector(q.x, q.y, 0, 8, 2, 10, 4, 12, 6, 14);
-  const Wide xyOdd = __builtin_shufflevector(q.x, q.y, 1, 9, 3, 11, 5, 13, 7, 15);
-  const Wide zwEven = __builtin_shufflevector(q.z, q.w, 0, 8, 2, 10, 4, 12, 6, 14);
-  const Wide zwOdd = __builtin_shufflevector(q.z, q.w, 1, 9, 3, 11, 5, 13, 7, 15);
-  const auto put = [&](std::size_t k, const Wide& two) {
-    _mm256_storeu_pd(rows + k * stride, _mm512_castpd512_pd256(two));
-    _mm256_storeu_pd(rows + (k + 2) * stride, _mm512_extractf64x4_pd(two, 1));
-  };
-  put(0, __builtin_shufflevector(xyEven, zwEven, 0, 1, 8, 9, 2, 3, 10, 11));
-  put(1, __builtin_shufflevector(xyOdd, zwOdd, 0, 1, 8, 9, 2, 3, 10, 11));
-  put(4, __builtin_shufflevector(xyEven, zwEven, 4, 5, 12, 13, 6, 7, 14, 15));
-  put(5, __builtin_shufflevector(xyOdd, zwOdd, 4, 5, 12, 13, 6, 7, 14, 15));
+  const std::array<Wide, 4> twos = turnBack(q.x, q.y, q.z, q.w);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::size_t row = 4 * (k / 2) + k % 2;
+    _mm256_storeu_pd(rows + row * stride, _mm512_castpd512_pd256(twos[k]));
+    _mm256_storeu_pd(rows + (row + 2) * stride, _mm512_extractf64x4_pd(twos[k], 1));
+  }
 #else
   for (std::size_t k = 0; k < wideSize; ++k) {
     rows[stride * k] = q.x[k];
@@ -154,6 +159,19 @@ template <std::size_t width>
 void storeRows(const std::array<Wide, width>& columns, const std::array<double*, wideSize>& rows, std::size_t count) {
   static_assert(width <= 8);
 #if defined(__AVX512F__)
+#if defined(__AVX512VL__)
+  if constexpr (width <= 4) {
+    std::array<Wide, 4> m{};
+    std::copy_n(columns.begin(), width, m.begin());
+    constexpr __mmask8 some = (1u << width) - 1;
+    const std::array<Wide, 4> pairs = turnBack(m[0], m[1], m[2], m[3]);
+    for (std::size_t k = 0; k < count; ++k) {
+      const __m512d two = pairs[2 * (k / 4) + k % 2];
+      _mm256_mask_storeu_pd(rows[k], some, k % 4 < 2 ? _mm512_castpd512_pd256(two) : _mm512_extractf64x4_pd(two, 1));
+    }
+    return;
+  }
+#endif
   std::array<Wide, 8> m{};
   std::copy_n(columns.begin(), width, m.begin());
   transpose(m);

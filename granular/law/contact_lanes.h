@@ -42,8 +42,8 @@ struct ContactLanes {
       w.store(k, {now[3], now[4], now[5]});
       radiusRatio.store(k, now[6]);
       vHalf.store(k, {half[0], half[1], half[2]});
-      spinHalf.store(k, {half[3], half[4], half[5]});
-      inverseMass.store(k, half[6]);
+      inverseMass.store(k, half[3]);
+      spinHalf.store(k, {half[4], half[5], half[6]});
     }
   };
 

@@ -15,12 +15,19 @@ Real wayOfSurface(double dt, const Triple<Real>& vHalf, const Real& radius, cons
   return dt * (vHalf.norm() + radius * squareRoot(larger(wHalf.dot(wHalf), w.dot(w))));
 }
 
+/// Square of a bound on the speed of the surface, m^2/s^2.
+template <class Real>
+Real squareSpeed(const Triple<Real>& v, const Triple<Real>& w, const Real& radius) {
+  return v.dot(v) + w.dot(w) * radius * radius;
+}
+
 /// Writes the state at t_{n+1} of bodies that turn by a scheme.
 template <class Place, class Real = typename Place::Real>
-void writeState(const SphereOf<Real>& sphere, const Triple<Real>& v, const Turn<Real>& turn, const Place& place,
-                Bodies& bodies) {
+void writeState(const SphereOf<Real>& sphere, const Triple<Real>& v, const Turn<Real>& turn,
+                const Triple<Real>& spinHalf, const Place& place, Bodies& bodies) {
   place.write(sphere, bodies.bounds);
   place.writeNow(v, turn.w, bodies.motion);
+  place.write(spinHalf, bodies.motion, &MotionRow::spinHalf);
   place.write(turn.q, bodies.q);
   place.write(turn.q, sphere.x, bodies.frame);
 }
@@ -29,7 +36,7 @@ void writeState(const SphereOf<Real>& sphere, const Triple<Real>& v, const Turn<
 template <class Place>
 void turnBalls(double dt, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
-  Quadruple<Real> q = rotateByStep(dt * place.readHalf(bodies.motion).spin) * place.read(bodies.q);
+  Quadruple<Real> q = rotateByStep(dt * place.read(bodies.motion, &MotionRow::spinHalf)) * place.read(bodies.q);
   keepUnit(q);
   place.write(q, bodies.q);
   place.write(q, bodies.qHalf);

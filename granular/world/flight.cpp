@@ -27,7 +27,7 @@ void flyBodies(const Flight& flight, const Scheme& scheme, const Place& place, B
   HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
   Turn<Real> now;
   SphereOf<Real> sphere = place.read(bodies.bounds);
-  Triple<Real> vHalf = place.readHalf(bodies.motion).v, v, spinHalf;
+  Triple<Real> vHalf = place.read(bodies.motion, &MotionRow::vHalf), v, spinHalf;
   Real travel = place.read(bodies.travel);
   for (std::int64_t n = 0; n < flight.predictions; ++n) {
     predictTranslation(dt, vHalf, acceleration, sphere.x, v);
@@ -39,8 +39,8 @@ void flyBodies(const Flight& flight, const Scheme& scheme, const Place& place, B
     scheme.advanceRotation(dt, moments, torque, now, half);
   }
   place.write(travel, bodies.travel);
-  writeState(sphere, v, now, place, bodies);
-  place.writeHalf(vHalf, spinHalf, bodies.motion);
+  writeState(sphere, v, now, spinHalf, place, bodies);
+  place.write(vHalf, bodies.motion, &MotionRow::vHalf);
   place.write(half.q, bodies.qHalf);
   place.write(half.w, bodies.wHalf);
   place.write(half.alpha, bodies.alpha);
@@ -53,19 +53,18 @@ void flyBalls(const Flight& flight, const Place& place, Bodies& bodies) {
   const double dt = flight.dt;
   const Triple<Real> acceleration = place.read(bodies.acceleration);
   SphereOf<Real> sphere = place.read(bodies.bounds);
-  MotionAtHalf<Real> half = place.readHalf(bodies.motion);
-  Triple<Real> v;
+  Triple<Real> vHalf = place.read(bodies.motion, &MotionRow::vHalf), v;
   Real travel = place.read(bodies.travel);
   for (std::int64_t n = 0; n < flight.predictions; ++n) {
-    predictTranslation(dt, half.v, acceleration, sphere.x, v);
-    travel = travel + dt * half.v.norm();
+    predictTranslation(dt, vHalf, acceleration, sphere.x, v);
+    travel = travel + dt * vHalf.norm();
     if (n == flight.advances) break;
-    advanceTranslation(dt, acceleration, half.v);
+    advanceTranslation(dt, acceleration, vHalf);
   }
   place.write(travel, bodies.travel);
   place.write(sphere, bodies.bounds);
-  place.writeNow(v, place.readNow(bodies.motion).w, bodies.motion);
-  place.writeHalf(half.v, half.spin, bodies.motion);
+  place.write(v, bodies.motion, &MotionRow::v);
+  place.write(vHalf, bodies.motion, &MotionRow::vHalf);
   place.writePosition(sphere.x, bodies.frame);
 }
 

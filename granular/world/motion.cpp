@@ -5,52 +5,70 @@
 namespace granular {
 namespace {
 
-/// The largest of the ways (>= 0, m) that threads find.
-class LargestWay {
+/// How a body moves in a step: bounds on the way of any point of its surface, m, and on the square of its speed at the
+/// end, m^2/s^2.
+template <class Real>
+struct Move {
+  Real way, squareSpeed;
+};
+
+/// What threads find of many moves.
+class Moves {
  public:
-  LargestWay() : of(ownOfThread<std::vector<OfThread>>()) {
+  explicit Moves(double squareLimit) : limit(squareLimit), of(ownOfThread<std::vector<OfThread>>()) {
     of.assign(static_cast<std::size_t>(omp_get_max_threads()), OfThread{});
   }
-  void take(double way) { mine().one = larger(mine().one, way); }
-  void take(const Wide& ways) { mine().several = larger(mine().several, ways); }
-  double get() const {
-    double largest = 0;
+  // A speed that is no number is not within the limit.
+  void take(const Move<double>& one) {
+    OfThread& found = mine();
+    found.way = larger(found.way, one.way);
+    found.within = found.within && one.squareSpeed <= limit;
+  }
+  void take(const Move<Wide>& several) {
+    OfThread& found = mine();
+    found.ways = larger(found.ways, several.way);
+    found.within = found.within && all(several.squareSpeed <= spread(limit));
+  }
+  Predicted get() const {
+    Predicted all{0, true};
     for (const OfThread& found : of) {
-      largest = larger(largest, found.one);
-      for (std::size_t k = 0; k < wideSize; ++k) largest = larger(largest, found.several[k]);
+      all.way = larger(all.way, found.way);
+      for (std::size_t k = 0; k < wideSize; ++k) all.way = larger(all.way, found.ways[k]);
+      all.withinLimit = all.withinLimit && found.within;
     }
-    return largest;
+    return all;
   }
 
  private:
   struct alignas(64) OfThread {
-    Wide several{};
-    double one = 0;
+    Wide ways{};
+    double way = 0;
+    bool within = true;
   };
   OfThread& mine() { return of[static_cast<std::size_t>(omp_get_thread_num())]; }
+  const double limit;
   std::vector<OfThread>& of;
 };
 
-/// State at t_{n+1} of the bodies in a place (body/lanes.h). Returns a bound on the way of each one's surface, m.
+/// State at t_{n+1} of the bodies in a place (body/lanes.h).
 template <class Scheme, class Place>
-typename Place::Real predictBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies) {
+Move<typename Place::Real> predictBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
   const HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
-  const Triple<Real> vHalf = place.readHalf(bodies.motion).v;
+  const Triple<Real> vHalf = place.read(bodies.motion, &MotionRow::vHalf);
   SphereOf<Real> sphere = place.read(bodies.bounds);
   Triple<Real> v;
   predictTranslation(dt, vHalf, place.read(bodies.acceleration), sphere.x, v);
   const Turn<Real> next = scheme.predictRotation(dt, half);
   const Real way = wayOfSurface(dt, vHalf, sphere.radius, half.w, next.w);
   place.write(place.read(bodies.travel) + way, bodies.travel);
-  place.writeHalf(vHalf, half.q.rotate(half.w), bodies.motion);
-  writeState(sphere, v, next, place, bodies);
-  return way;
+  writeState(sphere, v, next, half.q.rotate(half.w), place, bodies);
+  return {way, squareSpeed(v, next.w, sphere.radius)};
 }
 
 /// The same for balls: their spins are in world axes, and a turn moves no surface.
 template <class Place>
-typename Place::Real predictBalls(double dt, const Place& place, Bodies& bodies) {
+Move<typename Place::Real> predictBalls(double dt, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
   const MotionAtHalf<Real> half = place.readHalf(bodies.motion);
   SphereOf<Real> sphere = place.read(bodies.bounds);
@@ -62,22 +80,22 @@ typename Place::Real predictBalls(double dt, const Place& place, Bodies& bodies)
   place.write(sphere, bodies.bounds);
   place.writeNow(v, w, bodies.motion);
   place.writePosition(sphere.x, bodies.frame);
-  return way;
+  return {way, squareSpeed(v, w, sphere.radius)};
 }
 
 /// Memory of the next half step of the bodies in a place.
 template <class Scheme, class Place>
 void advanceBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
-  MotionAtHalf<Real> motion = place.readHalf(bodies.motion);
-  const Triple<Real> acceleration = motion.inverseMass * place.read(bodies.force);
-  advanceTranslation(dt, acceleration, motion.v);
+  Triple<Real> vHalf = place.read(bodies.motion, &MotionRow::vHalf);
+  const Triple<Real> acceleration = Real(1 / place.read(bodies.mass)) * place.read(bodies.force);
+  advanceTranslation(dt, acceleration, vHalf);
   HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
   scheme.advanceRotation(dt, Moments<Real>{place.read(bodies.inertia), place.read(bodies.inverseInertia)},
-                         place.read(bodies.torque), Turn<Real>{place.read(bodies.q), place.readNow(bodies.motion).w},
-                         half);
+                         place.read(bodies.torque),
+                         Turn<Real>{place.read(bodies.q), place.read(bodies.motion, &MotionRow::w)}, half);
   place.write(acceleration, bodies.acceleration);
-  place.writeHalf(motion.v, motion.spin, bodies.motion);
+  place.write(vHalf, bodies.motion, &MotionRow::vHalf);
   place.write(half.q, bodies.qHalf);
   place.write(half.w, bodies.wHalf);
   place.write(half.alpha, bodies.alpha);
@@ -93,7 +111,7 @@ void advanceBalls(double dt, const Place& place, Bodies& bodies) {
   advanceTranslation(dt, acceleration, half.v);
   advanceTranslation(dt, alpha, half.spin);
   place.write(acceleration, bodies.acceleration);
-  place.writeHalf(half.v, half.spin, bodies.motion);
+  place.writeHalf(half, bodies.motion);
   place.write(alpha, bodies.alpha);
 }
 
@@ -172,17 +190,20 @@ void moveWalls(double dt, World& world) {
   wakeNearMovingWalls(world);
 }
 
-double predict(double dt, const WorldOptions& options, Bodies& bodies) {
-  LargestWay largest;
+Predicted predict(double dt, const WorldOptions& options, Bodies& bodies) {
+  Moves moves(options.maxSpeed * options.maxSpeed);
   const Bodies::MovingSlots& slots = bodies.stepped();
   visitByScheme(options, slots.byScheme,
-                [&](const auto& scheme, const auto& place) { largest.take(predictBodies(dt, scheme, place, bodies)); });
-  visitBalls(options, slots.balls, [&](const auto& place) { largest.take(predictBalls(dt, place, bodies)); });
+                [&](const auto& scheme, const auto& place) { moves.take(predictBodies(dt, scheme, place, bodies)); });
+  visitBalls(options, slots.balls, [&](const auto& place) { moves.take(predictBalls(dt, place, bodies)); });
   visitBalls(options, slots.orientedBalls, [&](const auto& place) { turnBalls(dt, place, bodies); });
-  return largest.get();
+  return moves.get();
 }
 
-void predict(double dt, World& world) { world.pairWay += 2 * predict(dt, world.options, world.bodies); }
+void predict(double dt, World& world) {
+  world.predicted = predict(dt, world.options, world.bodies);
+  world.pairWay += 2 * world.predicted.way;
+}
 
 void advance(double dt, const WorldOptions& options, Bodies& bodies) {
   const Bodies::MovingSlots& slots = bodies.stepped();

@@ -19,8 +19,8 @@ inline constexpr std::size_t bodiesBeyondCaches = 4096;
 void moveWalls(double dt, World& world);
 /// Positions, orientations and predicted velocities at t_{n+1} of every moving body.
 void predict(double dt, World& world);
-/// The same for bodies alone. Returns a bound on how far any point of their surfaces moved, m.
-double predict(double dt, const WorldOptions& options, Bodies& bodies);
+/// The same for bodies alone.
+Predicted predict(double dt, const WorldOptions& options, Bodies& bodies);
 /// Brings the pairs up to date when some surface may have left its grown bounds.
 void refreshPairs(double dt, World& world);
 /// The contacts of all chunks, by the three stages below: chunk after chunk, so that what one stage reads is still near

@@ -1,5 +1,5 @@
 // The last stage of a step: what a user must be told. Counted always, named the first few times.
-#include "granular/body/lanes.h"
+#include "granular/world/by_scheme.h"
 #include "granular/world/stages.h"
 
 namespace granular {
@@ -17,12 +17,17 @@ Trouble troubleOf(const World& world, const std::array<std::int32_t, 2>& parties
   return trouble;
 }
 
-/// Square of a bound on the speed of the surface, m^2/s^2.
-template <class Place>
-typename Place::Real squareSpeed(const Bodies& bodies, const Place& place) {
-  const auto motion = place.readNow(bodies.motion);
-  const auto radius = place.read(bodies.bounds).radius;
-  return motion.v.dot(motion.v) + motion.w.dot(motion.w) * radius * radius;
+/// Names the bodies whose speed is too large or no number: one comparison catches both.
+void nameTooFast(World& world) {
+  const Bodies& bodies = world.bodies;
+  for (const std::int32_t slot : bodies.movingSlots()) {
+    const OneBody place(static_cast<std::size_t>(slot));
+    const double square = squareSpeed(place.read(bodies.motion, &MotionRow::v),
+                                      place.read(bodies.motion, &MotionRow::w), place.read(bodies.bounds).radius);
+    if (square <= world.options.maxSpeed * world.options.maxSpeed) continue;
+    const Trouble::Kind kind = std::isfinite(square) ? Trouble::Kind::tooFast : Trouble::Kind::nonFinite;
+    world.report.add({kind, world.time, bodies.id[place.at(0)], -1, {}, std::sqrt(square)});
+  }
 }
 
 }  // namespace
@@ -63,23 +68,8 @@ void watch(World& world) {
     if (deepest > world.options.deepOverlap) report.add(trouble);
   }
 
-  // Bodies: one comparison catches speeds that are too large and those that are not numbers.
-  const double limit = world.options.maxSpeed * world.options.maxSpeed;
   report.bodySteps += bodies.movingSlots().size() + bodies.flying().all.size();
-  visitBodies(bodies.movingSlots(), world.options.noBatches, false, [&]<class Place>(const Place& place) {
-    if (all(squareSpeed(bodies, place) <= limit + typename Place::Real{})) return;
-    for (std::size_t k = 0; k < place.count; ++k) {
-      const double square = squareSpeed(bodies, OneBody(place.at(k)));
-      if (square <= limit) continue;
-      const bool finite = std::isfinite(square);
-      report.add({finite ? Trouble::Kind::tooFast : Trouble::Kind::nonFinite,
-                  world.time,
-                  bodies.id[place.at(k)],
-                  -1,
-                  {},
-                  std::sqrt(square)});
-    }
-  });
+  if (!world.predicted.withinLimit) nameTooFast(world);
 }
 
 void checkDomain(World& world) {

@@ -53,6 +53,12 @@ struct WorldOptions {
   bool energy = false;            ///< keep the energy ledger
 };
 
+/// What predict found of the bodies it moved.
+struct Predicted {
+  double way = 0;            ///< bound on how far any point of their surfaces moved in the step, m
+  bool withinLimit = false;  ///< no surface is faster than WorldOptions::maxSpeed
+};
+
 struct World {
   World(const WorldOptions& chosen, MaterialTable table);
 
@@ -126,6 +132,7 @@ struct World {
     std::vector<std::int32_t> begin;  ///< by slot, and the end: in `index`
     std::vector<std::int32_t> index;  ///< in PairList::pairs
   } pairsOfBodies;
+  Predicted predicted;  ///< of the last step
   /// Bound on how far the two bodies of any pair moved towards each other since the contacts were laid out, m.
   double pairWay = 0;
   /// An active pair that isn't due needs no look while pairWay is below its number here, m: one number tells what
