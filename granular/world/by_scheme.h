@@ -24,10 +24,10 @@ Real squareSpeed(const Triple<Real>& v, const Triple<Real>& w, const Real& radiu
 /// Writes the state at t_{n+1} of bodies that turn by a scheme.
 template <class Place, class Real = typename Place::Real>
 void writeState(const SphereOf<Real>& sphere, const Triple<Real>& v, const Turn<Real>& turn,
-                const Triple<Real>& spinHalf, const Place& place, Bodies& bodies) {
+                const MotionAtHalf<Real>& half, const Place& place, Bodies& bodies) {
   place.write(sphere, bodies.bounds);
   place.writeNow(v, turn.w, bodies.motion);
-  place.write(spinHalf, bodies.motion, &MotionRow::spinHalf);
+  place.writeHalf(half, bodies.motion);
   place.write(turn.q, bodies.q);
   place.write(turn.q, sphere.x, bodies.frame);
 }

@@ -27,20 +27,20 @@ void flyBodies(const Flight& flight, const Scheme& scheme, const Place& place, B
   HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
   Turn<Real> now;
   SphereOf<Real> sphere = place.read(bodies.bounds);
-  Triple<Real> vHalf = place.read(bodies.motion, &MotionRow::vHalf), v, spinHalf;
+  MotionAtHalf<Real> motion = place.readHalf(bodies.motion);
+  Triple<Real> v;
   Real travel = place.read(bodies.travel);
   for (std::int64_t n = 0; n < flight.predictions; ++n) {
-    predictTranslation(dt, vHalf, acceleration, sphere.x, v);
+    predictTranslation(dt, motion.v, acceleration, sphere.x, v);
     now = scheme.predictRotation(dt, half);
-    travel = travel + wayOfSurface(dt, vHalf, sphere.radius, half.w, now.w);
-    spinHalf = half.q.rotate(half.w);
+    travel = travel + wayOfSurface(dt, motion.v, sphere.radius, half.w, now.w);
+    motion.spin = half.q.rotate(half.w);
     if (n == flight.advances) break;
-    advanceTranslation(dt, acceleration, vHalf);
+    advanceTranslation(dt, acceleration, motion.v);
     scheme.advanceRotation(dt, moments, torque, now, half);
   }
   place.write(travel, bodies.travel);
-  writeState(sphere, v, now, spinHalf, place, bodies);
-  place.write(vHalf, bodies.motion, &MotionRow::vHalf);
+  writeState(sphere, v, now, motion, place, bodies);
   place.write(half.q, bodies.qHalf);
   place.write(half.w, bodies.wHalf);
   place.write(half.alpha, bodies.alpha);

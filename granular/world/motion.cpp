@@ -55,14 +55,15 @@ template <class Scheme, class Place>
 Move<typename Place::Real> predictBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
   const HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
-  const Triple<Real> vHalf = place.read(bodies.motion, &MotionRow::vHalf);
+  MotionAtHalf<Real> motion = place.readHalf(bodies.motion);
+  motion.spin = half.q.rotate(half.w);
   SphereOf<Real> sphere = place.read(bodies.bounds);
   Triple<Real> v;
-  predictTranslation(dt, vHalf, place.read(bodies.acceleration), sphere.x, v);
+  predictTranslation(dt, motion.v, place.read(bodies.acceleration), sphere.x, v);
   const Turn<Real> next = scheme.predictRotation(dt, half);
-  const Real way = wayOfSurface(dt, vHalf, sphere.radius, half.w, next.w);
+  const Real way = wayOfSurface(dt, motion.v, sphere.radius, half.w, next.w);
   place.write(place.read(bodies.travel) + way, bodies.travel);
-  writeState(sphere, v, next, half.q.rotate(half.w), place, bodies);
+  writeState(sphere, v, next, motion, place, bodies);
   return {way, squareSpeed(v, next.w, sphere.radius)};
 }
 
@@ -87,15 +88,15 @@ Move<typename Place::Real> predictBalls(double dt, const Place& place, Bodies& b
 template <class Scheme, class Place>
 void advanceBodies(double dt, const Scheme& scheme, const Place& place, Bodies& bodies) {
   using Real = typename Place::Real;
-  Triple<Real> vHalf = place.read(bodies.motion, &MotionRow::vHalf);
-  const Triple<Real> acceleration = Real(1 / place.read(bodies.mass)) * place.read(bodies.force);
-  advanceTranslation(dt, acceleration, vHalf);
+  MotionAtHalf<Real> motion = place.readHalf(bodies.motion);
+  const Triple<Real> acceleration = motion.inverseMass * place.read(bodies.force);
+  advanceTranslation(dt, acceleration, motion.v);
   HalfTurn<Real> half{place.read(bodies.qHalf), place.read(bodies.wHalf), place.read(bodies.alpha)};
   scheme.advanceRotation(dt, Moments<Real>{place.read(bodies.inertia), place.read(bodies.inverseInertia)},
                          place.read(bodies.torque),
                          Turn<Real>{place.read(bodies.q), place.read(bodies.motion, &MotionRow::w)}, half);
   place.write(acceleration, bodies.acceleration);
-  place.write(vHalf, bodies.motion, &MotionRow::vHalf);
+  place.writeHalf(motion, bodies.motion);
   place.write(half.q, bodies.qHalf);
   place.write(half.w, bodies.wHalf);
   place.write(half.alpha, bodies.alpha);
