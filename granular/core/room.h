@@ -7,10 +7,10 @@
 
 namespace granular {
 
-/// Makes room for an eighth more than so many items, if there is none for these.
+/// Makes room for a sixteenth more than so many items, if there is none for these.
 template <class Item>
 void reserveClosely(std::vector<Item>& items, std::size_t count) {
-  if (count > items.capacity()) items.reserve(count + count / 8);
+  if (count > items.capacity()) items.reserve(count + count / 16);
 }
 template <class Item>
 void resizeClosely(std::vector<Item>& items, std::size_t count) {

@@ -42,8 +42,7 @@ inline ContactPull pullOf(const Contact& contact) {
 struct BriefContact {
   Vec3 force;  ///< as in ContactForce
   double normalForce;
-  std::int32_t pair;            ///< index in PairList::pairs
-  std::int32_t childA, childB;  ///< as in Spot
+  std::int32_t pair;  ///< index in PairList::pairs
   bool sliding, held;
 };
 static_assert(offsetof(BriefContact, normalForce) == 3 * sizeof(double));  // a row of numbers

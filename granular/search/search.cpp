@@ -61,7 +61,7 @@ void Search::packBoxes() {
 
 void Search::restoreBoxes(const Bodies& bodies) {
   const std::size_t n = margins.size();  // none if the next search begins anew: then boxes are of bodies of before
-  wraps.assign(n, Image{0, 0, 0});
+  if (settings.periods.any()) wraps.assign(n, Image{0, 0, 0});
   couldMove.assign(n, 0);  // whoever can is looked at by the next refresh
   makeBroadPhase();
   for (std::size_t i = 0; i < n; ++i) {
@@ -88,7 +88,7 @@ void Search::placeBounds(const Bodies& bodies, double dt, double wallTravel) {
   margins.resize(n);
   travelAtPlace.resize(n);
   couldMove.resize(n);
-  wraps.resize(n);
+  if (settings.periods.any()) wraps.resize(n);
   moved.clear();
   for (std::size_t i = 0; i < n; ++i) {
     const bool thawed = canMove(bodies, i) && !couldMove[i];
@@ -103,7 +103,6 @@ void Search::placeBounds(const Bodies& bodies, double dt, double wallTravel) {
     margins[i] = settings.skin * bodies.shape[i]->size() + settings.lookAhead * dt * speed;
     travelAtPlace[i] = bodies.travel[i] + wallTravel;
     Aabb box = bodies.shape[i]->bounds(bodies.frameOf(i)).grown(margins[i]);
-    wraps[i] = Image{0, 0, 0};
     for (int k = 0; k < 3; ++k) {
       const double period = settings.periods.length[k];
       if (period <= 0) continue;
@@ -185,7 +184,9 @@ void Search::addPair(const Bodies& bodies, std::int32_t a, std::int32_t b, const
       areBallsApart(broadPhase->bounds()[i], broadPhase->bounds()[j], settings.periods.shift(imageOfBox)))
     return;
   Pair pair{a, b, -1, imageOfBox, -infinity};
-  for (std::size_t k = 0; k < 3; ++k) pair.image[k] += wraps[j][k] - wraps[i][k];
+  if (!wraps.empty()) {
+    for (std::size_t k = 0; k < 3; ++k) pair.image[k] += wraps[j][k] - wraps[i][k];
+  }
   if (bodies.id[i] > bodies.id[j]) {
     std::swap(pair.a, pair.b);
     for (auto& steps : pair.image) steps = -steps;
@@ -195,14 +196,15 @@ void Search::addPair(const Bodies& bodies, std::int32_t a, std::int32_t b, const
 
 /// Pairs that were found take the place of all those in which somebody moved.
 void Search::mergePairs(const Bodies& bodies, PairList& list) {
-  std::vector<Pair> merged;
-  merged.reserve(allMoved ? found.size() : list.pairs.size() + found.size());
-  // Both lists are in the order of their keys: one pass carries the memory over.
-  std::size_t old = 0;
   const auto isPast = [&](const Pair& pair) {
     const auto a = static_cast<std::size_t>(pair.a), b = static_cast<std::size_t>(pair.b);
     return isMoved[a] || isMoved[b] || (!canMove(bodies, a) && !canMove(bodies, b));
   };
+  const auto stay = allMoved ? 0 : list.pairs.size() - std::count_if(list.pairs.begin(), list.pairs.end(), isPast);
+  std::vector<Pair> merged;
+  merged.reserve(stay + found.size());
+  // Both lists are in the order of their keys: one pass carries the memory over.
+  std::size_t old = 0;
   const auto leaveOld = [&] {
     const Pair& pair = list.pairs[old++];
     isPast(pair) ? list.memory.give(pair.slot) : merged.push_back(pair);
@@ -219,11 +221,11 @@ void Search::mergePairs(const Bodies& bodies, PairList& list) {
     merged.push_back(pair);
   }
   while (old < list.pairs.size()) leaveOld();
-  trim(merged);
   list.pairs.swap(merged);
   if (allMoved) {  // as large as the list, and not needed until the next search
     discard(found);
     discard(candidates);
+    discard(moved);
   }
 }
 

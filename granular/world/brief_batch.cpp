@@ -107,10 +107,11 @@ void BriefBatch::store(World::Chunk& chunk) const {
   for (std::size_t k = 0; k < count(); ++k) {
     BriefContact& brief = chunk.briefs[before + k];
     brief.pair = pair[k];
-    brief.childA = childA[k];
-    brief.childB = childB[k];
     brief.held = false;
   }
+  if (!world->anyClump || chunk.due.ofSpheres) return;
+  resizeClosely(chunk.children, chunk.briefs.size());
+  for (std::size_t k = 0; k < count(); ++k) chunk.children[before + k] = {childA[k], childB[k]};
 }
 
 void BriefBatch::addToBodies(World::Chunk& chunk) const {
@@ -127,13 +128,14 @@ Contact World::describeBrief(const Chunk& chunk, std::size_t k) const {
   contact.pair = brief.pair;
   contact.a = pair.a;
   contact.b = pair.b;
-  contact.spot = {0, brief.childA, brief.childB};
+  const auto [childA, childB] = chunk.children.empty() ? std::array{-1, -1} : chunk.children[k];
+  contact.spot = {0, childA, childB};
   contact.shift = options.periods.shift(pair.image);
   if (chunk.touches.empty()) {
-    const PlacedBall ballA = placeBall(*bodies.shape[at(pair.a)], bodies.frameOf(at(pair.a)), brief.childA);
+    const PlacedBall ballA = placeBall(*bodies.shape[at(pair.a)], bodies.frameOf(at(pair.a)), childA);
     Frame frameB = bodies.frameOf(at(pair.b));
     frameB.x += contact.shift;
-    const PlacedBall ballB = placeBall(*bodies.shape[at(pair.b)], frameB, brief.childB);
+    const PlacedBall ballB = placeBall(*bodies.shape[at(pair.b)], frameB, childB);
     fillBallTouch(lookAtBalls(ballA.centre, ballA.radius, ballB.centre, ballB.radius), ballA.centre, ballA.radius,
                   contact.touch);
   } else {

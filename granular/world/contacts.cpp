@@ -215,6 +215,7 @@ void layOutChunk(std::size_t c, World& world) {
   if (!atWalls) makeDue(world, c);
   trim(chunk.contacts);
   trim(chunk.briefs);
+  trim(chunk.children);
   trim(chunk.touches);
   trim(chunk.pulls);
 }
@@ -244,6 +245,7 @@ World::Chunk& startChunk(World& world, std::size_t c) {
   }
   chunk.contacts.clear();
   chunk.briefs.clear();
+  chunk.children.clear();
   chunk.touches.clear();
   chunk.pulls.clear();
   chunk.counts = NarrowCounts{};

@@ -96,8 +96,9 @@ struct World {
     std::vector<Contact> contacts;
     /// Only balls or only ellipsoids meet here, and this makes their contacts in batches; null: stage by stage.
     void (*make)(double dt, std::size_t chunk, World& world) = nullptr;
-    std::vector<BriefContact> briefs;  ///< then these stand for contacts
-    std::vector<SmoothTouch> touches;  ///< of briefs, unless they are of balls
+    std::vector<BriefContact> briefs;                   ///< then these stand for contacts
+    std::vector<std::array<std::int32_t, 2>> children;  ///< of briefs, as in Spot; empty where no clump is
+    std::vector<SmoothTouch> touches;                   ///< of briefs, unless they are of balls
     /// Only cuboids or only polyhedra meet here, and this finds their contacts in batches; null: pair by pair.
     void (*find)(std::size_t chunk, World& world) = nullptr;
     std::size_t run = 0;             ///< of World::runs
