@@ -78,9 +78,10 @@ class Search {
   std::vector<double> margins;             // by which they were grown
   std::vector<double> travelAtPlace;       // travel of the body (and the walls) when they were placed
   std::vector<Vec3> lowest, highest;       // boxes as columns, for a checkpoint
-  std::vector<Image> wraps;                // periods that brought a body into the domain when its box was placed; empty where there are none
-  double largestBox = 0;                   // edge, m
-  std::vector<std::uint8_t> couldMove;     // at the last refresh
+  std::vector<Image>
+      wraps;  // periods that brought a body into the domain when its box was placed; empty where there are none
+  double largestBox = 0;                // edge, m
+  std::vector<std::uint8_t> couldMove;  // at the last refresh
   // Of the present refresh: whose pairs are looked for, the others keep theirs.
   std::vector<std::int32_t> moved;
   std::vector<bool> isMoved;
